@@ -1,0 +1,38 @@
+//! Cameras.
+use glam::{DAffine3, UVec2};
+
+/// A camera as a scene describes it.
+#[derive(Clone, Debug)]
+pub struct CameraDescription {
+    /// What kind it is.
+    pub projection: Projection,
+    /// From the camera's space to the world: the camera stands at the origin, looks along +z, +y is up and +x is to
+    /// the left of the image (as in Mitsuba). Any scale in it is ignored.
+    pub to_world: DAffine3,
+    /// Pixels.
+    pub resolution: UVec2,
+}
+
+/// The kinds of projection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// A pinhole.
+    Perspective {
+        /// Full horizontal field of view, radians, in (0, pi).
+        fov_x: f64,
+    },
+    /// A thin lens, focused on a plane.
+    ThinLens {
+        /// Full horizontal field of view, radians, in (0, pi).
+        fov_x: f64,
+        /// Radius of the lens, positive.
+        aperture_radius: f64,
+        /// Distance of the plane in focus, positive.
+        focus_distance: f64,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Width of what is seen, positive.
+        width: f64,
+    },
+}

@@ -1,0 +1,97 @@
+//! Shapes, the hierarchy over them, and what is known at a hit.
+
+use glam::{Affine3A, Vec2, Vec3};
+
+/// An indexed triangle mesh in world space (or in the space of its group).
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// One shading normal a vertex, of any length but zero; empty: the faces are flat.
+    pub normals: Vec<Vec3>,
+    /// One texture coordinate a vertex; empty: barycentrics serve instead.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius, positive.
+    pub radius: f32,
+    /// Whether the normal points inwards.
+    pub inverted: bool,
+}
+
+/// A flat disk.
+#[derive(Clone, Copy, Debug)]
+pub struct Disk {
+    /// Centre.
+    pub center: Vec3,
+    /// Unit normal.
+    pub normal: Vec3,
+    /// Radius, positive.
+    pub radius: f32,
+}
+
+/// A shape placed in the world (or in the space of its group).
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Triangles.
+    Mesh(Mesh),
+    /// An analytic sphere.
+    Sphere(Sphere),
+    /// An analytic disk.
+    Disk(Disk),
+}
+
+/// A group of shapes placed once more by a transform.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance {
+    /// Index of the group.
+    pub group: u32,
+    /// From the group's space to the world.
+    pub to_world: Affine3A,
+}
+
+/// No instance: the hit is on a shape of the top level.
+pub const NO_INSTANCE: u32 = u32::MAX;
+
+/// What traversal finds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter.
+    pub t: f32,
+    /// First barycentric coordinate (weight of vertex 1); meaningless for curved shapes.
+    pub u: f32,
+    /// Second barycentric coordinate (weight of vertex 2).
+    pub v: f32,
+    /// Primitive, counted over all shapes of the top level or of the instance's group.
+    pub primitive: u32,
+    /// Index of the instance, or [`NO_INSTANCE`].
+    pub instance: u32,
+}
+
+/// The geometry at a hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// The point.
+    pub p: Vec3,
+    /// Bound of the absolute error of `p`, componentwise.
+    pub p_error: Vec3,
+    /// Unit geometric normal, on the side that the winding (or the shape) calls outside; never turned to the ray.
+    pub ng: Vec3,
+    /// Unit shading normal, in the hemisphere of `ng`.
+    pub ns: Vec3,
+    /// Direction of growing first texture coordinate, not normalised, not zero: what anisotropy is aligned to.
+    pub dpdu: Vec3,
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Index of the shape: those of the top level first, then those of each group in order.
+    pub shape: u32,
+    /// Index of the primitive within its shape (a mesh's triangle; 0 for others).
+    pub element: u32,
+}

@@ -1,0 +1,41 @@
+//! Which features a scene has, as bits that hot loops take as a const generic.
+//!
+//! A loop that is written `fn radiance<const HAS: u32>(..)` and asks `HAS & has::CURVED != 0` pays nothing for what a
+//! scene lacks: the branch is resolved when the loop is compiled. [`specialise!`](crate::specialise) picks the variant,
+//! once a pass.
+
+/// Analytic spheres or disks beside the triangles.
+pub const CURVED: u32 = 1;
+/// Instances, hence a two-level hierarchy.
+pub const INSTANCES: u32 = 2;
+/// Any scattering other than constant Lambert reflection (other lobes, mixtures).
+pub const LOBES: u32 = 4;
+/// Light from infinity: an environment or a directional light.
+pub const INFINITE: u32 = 8;
+/// Textures: a material's parameters depend on where it is hit.
+pub const TEXTURES: u32 = 16;
+/// Every bit: the loop that can do anything.
+pub const ALL: u32 = 31;
+
+/// Calls an expression with the scene's feature bits as a constant.
+///
+/// ```
+/// fn loop_body<const HAS: u32>() -> bool {
+///     HAS & etendue_core::has::LOBES != 0
+/// }
+/// let bits = etendue_core::has::LOBES | etendue_core::has::CURVED;
+/// assert!(etendue_core::specialise!(bits, HAS => loop_body::<HAS>()));
+/// ```
+#[macro_export]
+macro_rules! specialise {
+    ($bits:expr, $HAS:ident => $body:expr) => {
+        $crate::specialise!(@arms $bits, $HAS, $body,
+            0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30)
+    };
+    (@arms $bits:expr, $HAS:ident, $body:expr, $($n:literal)*) => {
+        match $bits {
+            $($n => { const $HAS: u32 = $n; $body })*
+            _ => { const $HAS: u32 = $crate::has::ALL; $body }
+        }
+    };
+}

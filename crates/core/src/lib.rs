@@ -1,0 +1,17 @@
+//! Geometry, materials, lights, cameras, film, sampling and statistics: what the rendering techniques share.
+
+pub mod bsdf;
+pub mod camera;
+pub mod film;
+pub mod filter;
+pub mod geometry;
+pub mod has;
+pub mod lights;
+pub mod material;
+pub mod ray;
+pub mod rgb;
+pub mod sampler;
+pub mod scene;
+pub mod statistics;
+pub mod technique;
+pub mod texture;

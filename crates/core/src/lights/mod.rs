@@ -1,0 +1,2 @@
+//! Lights.
+pub mod environment;

@@ -1,0 +1,2 @@
+//! Statistics: of renders, and for tests and studies.
+pub mod render;

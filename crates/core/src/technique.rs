@@ -1,0 +1,132 @@
+//! What a rendering technique is to whoever drives it.
+
+use crate::{film::Film, sampler::SamplerBuilder, scene::Scene, statistics::render::RenderStatistics};
+use std::sync::Arc;
+
+/// How a technique's error behaves: it chooses the test that the technique faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bias {
+    /// The expected image of a pass is the true one.
+    Unbiased,
+    /// The expected image tends to the true one as passes go on.
+    Consistent,
+    /// The expected image differs from the true one by a bounded amount that falls with a knob.
+    Bounded,
+}
+
+/// Parts of the light that reaches the film; every contribution belongs to exactly one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Part {
+    /// A light or the environment's surroundings seen directly or through delta lobes alone from the camera: `L D? ..`
+    /// with no non-delta vertex.
+    Emission = 0,
+    /// One non-delta vertex, lit from an area, point, spot or directional light without a delta vertex in between.
+    Direct,
+    /// One non-delta vertex, lit by the environment without a delta vertex in between.
+    Environment,
+    /// A light seen from a non-delta vertex through at least one delta vertex.
+    Caustic,
+    /// Everything else: at least two non-delta vertices, and no delta vertex next to the light.
+    Indirect,
+}
+
+impl Part {
+    /// All parts in order.
+    pub const ALL: [Part; 5] = [Part::Emission, Part::Direct, Part::Environment, Part::Caustic, Part::Indirect];
+
+    /// Its name in lower case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Part::Emission => "emission",
+            Part::Direct => "direct",
+            Part::Environment => "environment",
+            Part::Caustic => "caustic",
+            Part::Indirect => "indirect",
+        }
+    }
+}
+
+/// A set of [`Part`]s.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts(u8);
+
+impl Parts {
+    /// Every part.
+    pub const ALL: Parts = Parts(31);
+    /// No part.
+    pub const NONE: Parts = Parts(0);
+
+    /// This set and one part more.
+    #[must_use]
+    pub const fn with(self, part: Part) -> Parts {
+        Parts(self.0 | 1 << part as u8)
+    }
+
+    /// Whether it holds a part.
+    #[inline]
+    pub const fn contains(self, part: Part) -> bool {
+        self.0 >> part as u8 & 1 != 0
+    }
+}
+
+/// What every technique is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Longest path, counted as in Mitsuba: 1 is emission alone, 2 adds direct light. At least 1.
+    pub max_depth: u32,
+    /// Depth from which Russian roulette may end a path.
+    pub roulette_depth: u32,
+    /// Parts of the light to render.
+    pub parts: Parts,
+    /// Random numbers.
+    pub sampler: SamplerBuilder,
+    /// Passes that are planned, 0 when unknown.
+    pub planned_passes: u32,
+}
+
+/// A numeric setting of one technique, as data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knob {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it does, one line.
+    pub summary: &'static str,
+    /// Smallest and largest value.
+    pub range: (f64, f64),
+    /// Value when it is not given.
+    pub default: f64,
+}
+
+/// A technique as it is registered.
+pub struct TechniqueInfo {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it is, one line.
+    pub summary: &'static str,
+    /// Where it was published.
+    pub paper: &'static str,
+    /// How its error behaves.
+    pub bias: Bias,
+    /// The parts of the light that it converges on.
+    pub covers: Parts,
+    /// What it does not cover, one line; empty: it covers everything.
+    pub blind_spots: &'static str,
+    /// Its own settings.
+    pub knobs: &'static [Knob],
+    /// Builds it for a scene; `knobs` holds one value for each entry of `knobs`, in order and in range.
+    pub build: fn(scene: Arc<Scene>, settings: Settings, knobs: &[f64]) -> Box<dyn Technique>,
+}
+
+/// A technique at work on a scene.
+pub trait Technique: Send {
+    /// Adds one estimate of the whole image to the film. The same (seed, pass) adds the same bits on any number of
+    /// threads.
+    fn pass(&mut self, seed: u64, pass: u32, film: &mut Film);
+
+    /// What it has counted so far.
+    fn statistics(&self) -> &RenderStatistics;
+
+    /// Goes on with the next frame's scene, of which what is unchanged may be reused.
+    fn next_frame(&mut self, scene: Arc<Scene>);
+}

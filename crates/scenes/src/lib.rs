@@ -1,0 +1,1 @@
+//! Built-in scenes as code, and importers of scene files.
