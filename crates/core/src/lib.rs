@@ -2,6 +2,7 @@
 
 pub mod bsdf;
 pub mod camera;
+pub mod effects;
 pub mod film;
 pub mod filter;
 pub mod geometry;
@@ -15,3 +16,4 @@ pub mod scene;
 pub mod statistics;
 pub mod technique;
 pub mod texture;
+pub mod walk;
