@@ -1,11 +1,14 @@
 //! Helpers shared by the cross-crate tests.
 
+pub mod small;
+
 use etendue_core::{
     film::Film,
     filter::Filter,
     rgb::Rgb,
     sampler::independent,
-    scene::Scene,
+    scene::{Scene, SceneDescription},
+    statistics::special::student_t_quantile,
     technique::{Settings, TechniqueInfo},
 };
 use etendue_scenes::LoadedScene;
@@ -23,6 +26,12 @@ pub fn shared(what: &str) -> Option<PathBuf> {
         println!("skipped: {} is not there (set ETENDUE_SHARED)", path.display());
         None
     }
+}
+
+/// Two-sided limit, in standard errors that come from `replicates` replicates, with the significance that four standard
+/// errors have when they are known exactly.
+pub fn limit(replicates: u64) -> f64 {
+    student_t_quantile(1.0 - 3.167e-5, (replicates - 1) as f64)
 }
 
 /// A scene at work with a technique.
@@ -43,11 +52,23 @@ impl Run {
     /// # Panics
     /// When the scene is refused or has no camera.
     pub fn new(loaded: &LoadedScene) -> Run {
-        let scene = Scene::new(&loaded.description).expect("the scene is valid");
-        let mut settings = Settings::new(loaded.max_depth, independent);
-        settings.roulette_depth = loaded.roulette_depth;
-        let resolution = loaded.description.camera.as_ref().expect("a scene has a camera").resolution;
-        Run { scene: Arc::new(scene), resolution, filter: loaded.filter, settings }
+        let mut run = Run::of(&loaded.description, loaded.filter, loaded.max_depth);
+        run.settings.roulette_depth = loaded.roulette_depth;
+        run
+    }
+
+    /// A described scene at its camera's size.
+    ///
+    /// # Panics
+    /// When the scene is refused.
+    pub fn of(description: &SceneDescription, filter: Filter, max_depth: u32) -> Run {
+        let scene = Scene::new(description).unwrap_or_else(|e| panic!("{}: {e}", description.name));
+        Run {
+            resolution: description.camera.as_ref().expect("a scene has a camera").resolution,
+            scene: Arc::new(scene),
+            filter,
+            settings: Settings::new(max_depth, independent),
+        }
     }
 
     /// A built-in scene of `size` x `size` pixels.
