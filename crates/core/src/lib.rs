@@ -2,8 +2,10 @@
 
 pub mod bsdf;
 pub mod camera;
+pub mod distribution;
 pub mod film;
 pub mod filter;
+pub mod frame;
 pub mod geometry;
 pub mod has;
 pub mod lights;
@@ -15,3 +17,4 @@ pub mod scene;
 pub mod statistics;
 pub mod technique;
 pub mod texture;
+pub mod warp;
