@@ -3,8 +3,10 @@
 pub mod bsdf;
 pub mod camera;
 pub mod effects;
+pub mod distribution;
 pub mod film;
 pub mod filter;
+pub mod frame;
 pub mod geometry;
 pub mod has;
 pub mod lights;
@@ -17,3 +19,4 @@ pub mod statistics;
 pub mod technique;
 pub mod texture;
 pub mod walk;
+pub mod warp;

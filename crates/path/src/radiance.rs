@@ -77,7 +77,7 @@ fn seen_part(history: History, infinite: bool) -> Part {
 /// Light that the vertex itself emits towards the path.
 #[inline]
 fn emitted(scene: &Scene, settings: &Settings, vertex: &SurfaceVertex, element: u32) -> Rgb {
-    let radiance = scene.emission(&vertex.surface, vertex.wo);
+    let radiance = scene.lights().emitted(element, vertex.surface.ng, vertex.wo);
     if radiance.is_black() || !settings.parts.contains(seen_part(vertex.history, false)) {
         return Rgb::BLACK;
     }

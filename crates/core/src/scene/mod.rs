@@ -31,7 +31,6 @@ struct ShapeInfo {
     material: u32,
     /// Number of its first light element, or [`NO_LIGHT`].
     first_element: u32,
-    emission: Rgb,
 }
 
 /// A material as it is hit.
@@ -174,7 +173,7 @@ impl Scene {
 
     /// Bytes of geometry, hierarchy and lights.
     pub fn memory_bytes(&self) -> u64 {
-        (self.geometry.memory_bytes() + self.lights.memory_bytes() + std::mem::size_of_val(&*self.shapes)) as u64
+        self.geometry.memory_bytes() + self.lights.memory_bytes() + size_of_val(&*self.shapes) as u64
     }
 
     /// The nearest hit along a ray.
@@ -214,12 +213,6 @@ impl Scene {
         (first != NO_LIGHT).then(|| first + surface.element)
     }
 
-    /// Radiance that the surface emits towards `wo`.
-    #[inline]
-    pub fn emission(&self, surface: &Surface, wo: Vec3) -> Rgb {
-        let info = &self.shapes[surface.shape as usize];
-        if info.first_element != NO_LIGHT && wo.dot(surface.ng) > 0.0 { info.emission } else { Rgb::BLACK }
-    }
 }
 
 fn to_f32(t: &DAffine3) -> Affine3A {
@@ -277,13 +270,9 @@ fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>
                 Shape::Disk(disk) => push(AreaShape::Disk(*disk)),
             }
         }
-        infos.push(ShapeInfo { material: object.material as u32, first_element, emission });
+        infos.push(ShapeInfo { material: object.material as u32, first_element });
     }
     let grouped = description.groups.iter().flat_map(|g| &g.objects);
-    infos.extend(grouped.map(|o| ShapeInfo {
-        material: o.material as u32,
-        first_element: NO_LIGHT,
-        emission: Rgb::BLACK,
-    }));
+    infos.extend(grouped.map(|o| ShapeInfo { material: o.material as u32, first_element: NO_LIGHT }));
     (infos, area)
 }
