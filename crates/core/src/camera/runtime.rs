@@ -1,7 +1,7 @@
 //! The camera, ready to render.
 
 use super::{CameraDescription, Projection};
-use crate::{ray::Ray, warp::square_to_uniform_disk_concentric};
+use crate::{ray::Ray, warp::sample_disk};
 use glam::{DMat3, DVec3, UVec2, Vec2, Vec3};
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -268,7 +268,7 @@ impl Camera {
     fn lens_point(&self, u: Vec2) -> Vec3 {
         match self.lens {
             Lens::Thin { radius, .. } => {
-                let q = square_to_uniform_disk_concentric(u) * radius;
+                let q = sample_disk(u) * radius;
                 self.left * q.x + self.up * q.y
             }
             Lens::Pinhole | Lens::Parallel => Vec3::ZERO,

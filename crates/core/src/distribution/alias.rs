@@ -1,6 +1,6 @@
 //! Alias tables: a choice among n in constant time.
 
-use super::ONE_MINUS_EPSILON;
+use crate::warp::ONE_MINUS_EPSILON;
 
 /// A discrete distribution that is sampled in constant time [Walker 1977; Vose 1991].
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! Piecewise constant distributions over a grid.
 
-use super::ONE_MINUS_EPSILON;
+use crate::warp::ONE_MINUS_EPSILON;
 use glam::Vec2;
 
 /// A distribution over the cells of a grid, sampled by inversion: first the row, then the column, both in order, so

@@ -4,7 +4,7 @@ use crate::{
     frame::Frame,
     geometry::{Disk, Sphere},
     rgb::Rgb,
-    warp::{square_to_uniform_disk_concentric, square_to_uniform_sphere},
+    warp::{sample_disk, sample_sphere, sample_triangle},
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -72,20 +72,18 @@ impl AreaShape {
             AreaShape::Triangle(vertices) => {
                 let [p0, p1, p2] = *vertices;
                 let n = doubled_area_normal(vertices);
-                // [Heitz 2019]: one fold instead of a square root, and less distortion.
-                let (b0, b1) = if u.y > u.x { (0.5 * u.x, u.y - 0.5 * u.x) } else { (u.x - 0.5 * u.y, 0.5 * u.y) };
-                let b2 = (1.0 - b0 - b1).max(0.0);
+                let b = sample_triangle(u);
                 AreaPoint {
-                    p: b0 * p0 + b1 * p1 + b2 * p2,
-                    p_error: gamma(6) * (b0 * p0.abs() + b1 * p1.abs() + b2 * p2.abs()),
+                    p: b.x * p0 + b.y * p1 + b.z * p2,
+                    p_error: gamma(6) * (b.x * p0.abs() + b.y * p1.abs() + b.z * p2.abs()),
                     normal: n / length(n),
                 }
             }
-            AreaShape::Sphere(s) => sphere_point(s, square_to_uniform_sphere(u)),
+            AreaShape::Sphere(s) => sphere_point(s, sample_sphere(u)),
             AreaShape::Disk(d) => {
-                let q = d.radius * square_to_uniform_disk_concentric(u);
+                let q = d.radius * sample_disk(u);
                 let frame = Frame::from_normal(d.normal);
-                let (x, y) = (frame.s * q.x, frame.t * q.y);
+                let (x, y) = (frame.tangent * q.x, frame.bitangent * q.y);
                 AreaPoint {
                     p: d.center + x + y,
                     p_error: gamma(6) * (d.center.abs() + x.abs() + y.abs()),
@@ -197,7 +195,7 @@ impl Cone {
         let cos_alpha = cos_sum * cos + sin_sum * sin;
         let (sin_phi, cos_phi) = (2.0 * PI * u.y).sin_cos();
         let frame = Frame::from_normal(self.axis);
-        let across = frame.s * cos_phi + frame.t * sin_phi;
+        let across = frame.tangent * cos_phi + frame.bitangent * sin_phi;
         let wi = (across * sin + self.axis * cos).normalize();
         let point = sphere_point(s, (across * sin_alpha - self.axis * cos_alpha).normalize());
         Some(AreaDirection { point, wi, pdf_w })

@@ -4,13 +4,10 @@ use super::{Element, Lights, delta::Delta};
 use crate::{
     frame::Frame,
     rgb::Rgb,
-    warp::{square_to_cosine_hemisphere, square_to_uniform_disk_concentric, square_to_uniform_sphere},
+    warp::{cosine_hemisphere_pdf, sample_cosine_hemisphere, sample_disk, sample_sphere, sphere_pdf},
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
-
-/// Density of a uniform direction per steradian.
-const UNIFORM_SPHERE_PDF: f32 = 1.0 / (4.0 * PI);
 
 /// A ray that leaves a light.
 ///
@@ -78,12 +75,12 @@ impl Lights {
         let (p, p_error, normal, direction, radiance) = match self.element(element) {
             Element::Area(light) => {
                 let point = light.shape.sample_point(u_point);
-                let local = square_to_cosine_hemisphere(u_direction);
+                let local = sample_cosine_hemisphere(u_direction);
                 let direction = Frame::from_normal(point.normal).to_world(local);
                 (point.p, point.p_error, point.normal, direction, light.radiance)
             }
             Element::Delta(Delta::Point { position, intensity }) => {
-                let direction = square_to_uniform_sphere(u_direction);
+                let direction = sample_sphere(u_direction);
                 (*position, Vec3::ZERO, direction, direction, *intensity)
             }
             Element::Delta(Delta::Spot { position, intensity, cone }) => {
@@ -129,8 +126,8 @@ impl Lights {
     pub fn emission_density(&self, element: u32, ng: Vec3, direction: Vec3) -> EmissionDensity {
         let disk = 1.0 / (PI * self.world.radius * self.world.radius);
         let (pdf_a, pdf_w) = match self.element(element) {
-            Element::Area(light) => (1.0 / light.shape.area(), ng.dot(direction).max(0.0) / PI),
-            Element::Delta(Delta::Point { .. }) => (1.0, UNIFORM_SPHERE_PDF),
+            Element::Area(light) => (1.0 / light.shape.area(), cosine_hemisphere_pdf(ng.dot(direction))),
+            Element::Delta(Delta::Point { .. }) => (1.0, sphere_pdf()),
             Element::Delta(Delta::Spot { cone, .. }) => (1.0, cone.pdf(direction)),
             Element::Delta(Delta::Directional { .. }) => (disk, 1.0),
             Element::Sky(sky) => (disk, sky.radiance_and_pdf(-direction).1),
@@ -141,7 +138,7 @@ impl Lights {
     /// A uniform point of the disk outside the world that faces a direction.
     #[inline]
     fn outside(&self, direction: Vec3, u: Vec2) -> Vec3 {
-        let d = square_to_uniform_disk_concentric(u);
+        let d = sample_disk(u);
         self.world.center + Frame::from_normal(direction).to_world(d.extend(-1.0)) * self.world.radius
     }
 }

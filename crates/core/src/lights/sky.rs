@@ -4,7 +4,12 @@ use super::{
     environment::{Environment, Rows},
     polar::{Band, sample_linear},
 };
-use crate::{distribution::piecewise::Piecewise2d, rgb::Rgb, texture::Bitmap, warp::square_to_uniform_sphere};
+use crate::{
+    distribution::piecewise::Piecewise2d,
+    rgb::Rgb,
+    texture::Bitmap,
+    warp::{sample_sphere, sphere_pdf},
+};
 use glam::{Mat3, Vec2, Vec3};
 use std::{f32::consts::PI, f64::consts::PI as PI64, sync::Arc};
 
@@ -54,7 +59,7 @@ impl Sky {
     #[inline]
     pub fn sample(&self, u: Vec2) -> Option<Vec3> {
         match self {
-            Sky::Constant(_) => Some(square_to_uniform_sphere(u)),
+            Sky::Constant(_) => Some(sample_sphere(u)),
             Sky::LatLong(sky) => sky.sample(u),
         }
     }
@@ -63,7 +68,7 @@ impl Sky {
     #[inline]
     pub fn radiance_and_pdf(&self, direction: Vec3) -> (Rgb, f32) {
         match self {
-            Sky::Constant(radiance) => (*radiance, 1.0 / (4.0 * PI)),
+            Sky::Constant(radiance) => (*radiance, sphere_pdf()),
             Sky::LatLong(sky) => {
                 let radiance = sky.radiance(direction);
                 let pdf = (f64::from(radiance.luminance()) / sky.integral) as f32;
