@@ -168,8 +168,8 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
                 (Purpose::LightWalkLobe, Purpose::LightWalkDirection, Purpose::LightWalkRoulette)
             }
         };
-        // A single lobe needs no choice; a number that is not asked for costs nothing and shifts no other.
-        let u_lobe = if vertex.bsdf.needs_lobe_choice::<HAS>() { sampler.get_1d(self.depth, lobe) } else { 0.0 };
+        // A single Lambert lobe needs no choice; a number that is not asked for costs nothing and shifts no other.
+        let u_lobe = if HAS & has::LOBES != 0 { sampler.get_1d(self.depth, lobe) } else { 0.0 };
         let u = sampler.get_2d(self.depth, direction);
         let Some(sample) = vertex.bsdf.sample::<HAS>(vertex.wo_local, u_lobe, u, self.mode) else { return false };
         let wi = vertex.frame.to_world(sample.wi);

@@ -43,7 +43,7 @@ pub fn pixel_sample<const HAS: u32>(
                 if let Some(element) = scene.element(&vertex.surface) {
                     sum += emitted(scene, settings, &vertex, element);
                 }
-                if !walk.is_exhausted() && !vertex.bsdf.is_delta::<HAS>() {
+                if !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
                     sum += next_event::<HAS>(scene, settings, &vertex, sampler, rays);
                 }
                 if !walk.scatter(&vertex, sampler) {
