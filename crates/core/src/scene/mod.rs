@@ -173,7 +173,7 @@ impl Scene {
 
     /// Bytes of geometry, hierarchy and lights.
     pub fn memory_bytes(&self) -> u64 {
-        self.geometry.memory_bytes() + self.lights.memory_bytes() + size_of_val(&*self.shapes) as u64
+        self.geometry.memory_bytes() as u64 + self.lights.memory_bytes() + size_of_val(&*self.shapes) as u64
     }
 
     /// The nearest hit along a ray.
