@@ -13,6 +13,7 @@
 #![deny(unsafe_code)]
 
 pub mod builtin;
+mod cube;
 mod error;
 pub mod image_file;
 pub mod mitsuba;

@@ -4,9 +4,9 @@ use super::{
     Builtin, Parameter, ParameterKind, Values,
     parts::{Stage, ggx, glass, grey, mirror, rough_metal},
 };
-use crate::LoadedScene;
-use etendue_core::{geometry::Mesh, material::Material, rgb::Rgb, scene::ObjectShape};
-use glam::{DVec3, Vec3};
+use crate::{LoadedScene, cube::inward_cube};
+use etendue_core::{material::Material, rgb::Rgb, scene::ObjectShape};
+use glam::DVec3;
 
 pub(super) const BUILTIN: Builtin = Builtin {
     name: "furnace",
@@ -66,7 +66,7 @@ fn build(values: &Values) -> LoadedScene {
     let walls = stage.material("walls", Material::lambert(grey(values.number("reflectance"))));
     let room = match values.choice("room") {
         "sphere" => stage.sphere("room", DVec3::ZERO, 1.25, walls),
-        _ => stage.mesh("room", inward_box(1.25), walls),
+        _ => stage.mesh("room", inward_cube(1.25), walls),
     };
     if let ObjectShape::Sphere { inverted, .. } = &mut room.shape {
         *inverted = true;
@@ -87,15 +87,6 @@ fn build(values: &Values) -> LoadedScene {
     stage.finish(u32::MAX)
 }
 
-/// The cube from `-half` to `half` in each coordinate, normals inwards, with shared vertices.
-fn inward_box(half: f32) -> Mesh {
-    let sign = |bit: usize| if bit & 1 == 0 { -half } else { half };
-    let positions = (0..8).map(|i| Vec3::new(sign(i), sign(i >> 1), sign(i >> 2))).collect();
-    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6]];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions, triangles, ..Mesh::default() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,20 +101,5 @@ mod tests {
         assert_eq!(furnace_radiance(0.25, 0.5, u32::MAX), 0.5);
         assert_eq!(furnace_radiance(0.25, 0.0, 1), 0.25);
         assert_eq!(furnace_radiance(2.0, 1.0, 3), 6.0);
-    }
-
-    #[test]
-    fn the_box_is_closed_and_faces_inwards() {
-        let mesh = inward_box(2.0);
-        let mut edges = std::collections::HashSet::new();
-        for t in &mesh.triangles {
-            let p = t.map(|i| mesh.positions[i as usize]);
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
-            assert!(normal.dot(p[0]) < 0.0);
-            for i in 0..3 {
-                assert!(edges.insert((t[i], t[(i + 1) % 3])), "an edge is used twice in one direction");
-            }
-        }
-        assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))));
     }
 }
