@@ -60,14 +60,25 @@ impl Geometry {
     #[inline]
     pub fn closest<const HAS: u32>(&self, ray: &Ray) -> Option<Hit> {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        self.simd.closest::<HAS>(self, ray)
+        // Only the kinds of shape matter here: four walks are compiled, not one for every set of features.
+        match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
+            (false, false) => self.simd.closest::<0>(self, ray),
+            (true, false) => self.simd.closest::<CURVED>(self, ray),
+            (false, true) => self.simd.closest::<INSTANCES>(self, ray),
+            (true, true) => self.simd.closest::<{ CURVED | INSTANCES }>(self, ray),
+        }
     }
 
     /// Whether anything lies in (0, `t_max`). `HAS` must include [`Geometry::has`].
     #[inline]
     pub fn occluded<const HAS: u32>(&self, ray: &Ray) -> bool {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        self.simd.occluded::<HAS>(self, ray)
+        match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
+            (false, false) => self.simd.occluded::<0>(self, ray),
+            (true, false) => self.simd.occluded::<CURVED>(self, ray),
+            (false, true) => self.simd.occluded::<INSTANCES>(self, ray),
+            (true, true) => self.simd.occluded::<{ CURVED | INSTANCES }>(self, ray),
+        }
     }
 
     /// Walks the hierarchy; compiled once for each instruction set, into the functions of [`super::dispatch`].
@@ -83,8 +94,8 @@ impl Geometry {
 
     /// What is known at a hit that this ray has found.
     #[inline]
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let (local, shape, element) = if hit.instance == NO_INSTANCE {
+    pub fn surface<const HAS: u32>(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let (local, shape, element) = if HAS & INSTANCES == 0 || hit.instance == NO_INSTANCE {
             self.top.surface(ray, hit)
         } else {
             let placed = &self.placed[hit.instance as usize];
