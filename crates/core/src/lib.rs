@@ -2,15 +2,19 @@
 
 pub mod bsdf;
 pub mod camera;
+pub mod distribution;
 pub mod film;
 pub mod filter;
 pub mod fixed;
 pub mod geometry;
 pub mod has;
+pub mod independent;
 pub mod lights;
 pub mod material;
+pub mod mis;
 pub mod parallel;
 pub mod ray;
+pub mod reservoir;
 pub mod rgb;
 pub mod sampler;
 pub mod scene;
