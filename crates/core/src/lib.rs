@@ -8,6 +8,7 @@ pub mod filter;
 pub mod frame;
 pub mod geometry;
 pub mod has;
+pub mod independent;
 pub mod lights;
 pub mod material;
 pub mod ray;

@@ -1,2 +1,5 @@
 //! Statistics: of renders, and for tests and studies.
+
+pub mod chi_square;
 pub mod render;
+pub mod special;
