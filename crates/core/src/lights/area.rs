@@ -4,7 +4,7 @@ use crate::{
     frame::Frame,
     geometry::{Disk, Sphere},
     rgb::Rgb,
-    warp::{sample_disk, sample_sphere, sample_triangle},
+    warp::{cone_pdf, sample_cone, sample_disk, sample_sphere, sample_triangle},
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -174,7 +174,7 @@ impl Cone {
 
     #[inline]
     fn pdf(&self) -> f32 {
-        let pdf = 1.0 / (2.0 * PI * self.one_minus_cos_max());
+        let pdf = cone_pdf(self.one_minus_cos_max());
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
@@ -184,20 +184,18 @@ impl Cone {
         if pdf_w == 0.0 {
             return None;
         }
-        let one_minus_cos = u.x * self.one_minus_cos_max();
-        let cos = 1.0 - one_minus_cos;
-        let sin2 = one_minus_cos * (2.0 - one_minus_cos);
-        // The point subtends alpha at the centre: sin(alpha + theta) = sin(theta) / sin(theta_max).
-        let sin = sin2.sqrt();
-        let sin_sum = (sin / self.sin2_max.sqrt()).min(1.0);
-        let cos_sum = (1.0 - sin_sum * sin_sum).sqrt();
-        let sin_alpha = sin_sum * cos - cos_sum * sin;
-        let cos_alpha = cos_sum * cos + sin_sum * sin;
-        let (sin_phi, cos_phi) = (2.0 * PI * u.y).sin_cos();
         let frame = Frame::from_normal(self.axis);
-        let across = frame.tangent * cos_phi + frame.bitangent * sin_phi;
-        let wi = (across * sin + self.axis * cos).normalize();
-        let point = sphere_point(s, (across * sin_alpha - self.axis * cos_alpha).normalize());
+        let local = sample_cone(u, self.one_minus_cos_max());
+        // The point lies at an angle alpha about the centre, and sin(alpha + theta) = sin(theta) / sin(theta_max).
+        let (sin_max, cos) = (self.sin2_max.sqrt(), local.z);
+        let sin = local.truncate().length();
+        let sin_sum = (sin / sin_max).min(1.0);
+        let cos_sum = (1.0 - sin_sum * sin_sum).sqrt();
+        // Of sin(alpha) the factor sin(theta) is left in the local x and y.
+        let across = local.truncate() * (cos / sin_max - cos_sum);
+        let outwards = frame.to_world(across.extend(-(cos_sum * cos + sin_sum * sin)));
+        let point = sphere_point(s, outwards.normalize());
+        let wi = frame.to_world(local);
         Some(AreaDirection { point, wi, pdf_w })
     }
 }

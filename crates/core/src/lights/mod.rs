@@ -14,7 +14,7 @@ mod sky;
 pub use area::{AreaLight, AreaShape};
 pub use emission::{EmissionDensity, EmissionSample};
 
-use crate::{distribution::alias::AliasTable, rgb::Rgb, scene::DeltaLight};
+use crate::{distribution::AliasTable, rgb::Rgb, scene::DeltaLight};
 use delta::Delta;
 use environment::Environment;
 use glam::{Vec2, Vec3};
@@ -77,13 +77,16 @@ pub struct DirectSample {
 }
 
 impl Lights {
+    /// How many elements there can be.
+    pub const LIMIT: usize = 1 << 24;
+
     /// The lights of a scene, all in the rendered world; `world` bounds everything visible.
     ///
     /// Values are expected to be valid as the scene checks them: finite, not negative, axes not zero, the environment
     /// passing [`Environment::check`]. An element whose flux is zero is never chosen.
     ///
     /// # Panics
-    /// With 2^32 elements or more.
+    /// With more than [`Lights::LIMIT`] elements.
     pub fn build(
         area: Vec<AreaLight>,
         delta: Vec<DeltaLight>,
@@ -104,7 +107,7 @@ impl Lights {
                 LightChoice::Uniform => 1.0,
             })
             .collect();
-        assert!(u32::try_from(weights.len()).is_ok(), "too many lights: {}", weights.len());
+        assert!(weights.len() <= Lights::LIMIT, "too many lights: {}", weights.len());
         let directional = delta.iter().any(|light| matches!(light, Delta::Directional { .. }));
         Lights { area, delta, sky, choice: AliasTable::new(&weights), world, directional }
     }
@@ -263,7 +266,7 @@ impl Lights {
         let mixed = (mixed ^ mixed >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32;
         // 2^-24 is the spacing of the largest f32 below 1, 2^-32 that of the mixed bits.
         let extended = f64::from(u_choice) + mixed as f64 * (0.5f64).powi(56);
-        Some(table.choose(extended) as u32)
+        Some(table.pick(extended) as u32)
     }
 
     #[inline]

@@ -5,7 +5,7 @@ use super::{
     polar::{Band, sample_linear},
 };
 use crate::{
-    distribution::piecewise::Piecewise2d,
+    distribution::Piecewise2d,
     rgb::Rgb,
     texture::Bitmap,
     warp::{sample_sphere, sphere_pdf},
@@ -111,7 +111,7 @@ impl LatLong {
             weights.extend((0..width).map(|x| (mean(x, top) * w_top + mean(x, bottom) * w_bottom) * solid_angle));
         }
         let integral = weights.iter().sum::<f64>() * f64::from(scale);
-        let cells = Piecewise2d::new(width, bands(rows, height), &weights).filter(|_| integral > 0.0);
+        let cells = Piecewise2d::new(&weights, width).filter(|_| integral > 0.0);
         LatLong { image, scale, to_world, rows, cells, integral }
     }
 
@@ -140,19 +140,19 @@ impl LatLong {
 
     #[inline]
     fn sample(&self, u: Vec2) -> Option<Vec3> {
-        let cell = self.cells.as_ref()?.sample(u);
+        let (column, row, within) = self.cells.as_ref()?.sample_cell(u);
         let (width, height) = (self.image.width as usize, self.image.height as usize);
-        let (band, top, bottom) = band(self.rows, height, cell.y);
+        let (band, top, bottom) = band(self.rows, height, row);
         let luminance = |x: usize, y: usize| f64::from(self.image.texels[y * width + x].luminance());
-        let next = (cell.x + 1) % width;
+        let next = (column + 1) % width;
         let corners =
-            [luminance(cell.x, top), luminance(next, top), luminance(cell.x, bottom), luminance(next, bottom)];
+            [luminance(column, top), luminance(next, top), luminance(column, bottom), luminance(next, bottom)];
         // First the marginal density over the polar angle, then the conditional one over the azimuth.
-        let t = band.sample(corners[0] + corners[1], corners[2] + corners[3], f64::from(cell.within.y));
+        let t = band.sample(corners[0] + corners[1], corners[2] + corners[3], f64::from(within.y));
         let down = |a: f64, b: f64| a * (1.0 - t) + b * t;
-        let s = sample_linear(down(corners[0], corners[2]), down(corners[1], corners[3]), f64::from(cell.within.x));
+        let s = sample_linear(down(corners[0], corners[2]), down(corners[1], corners[3]), f64::from(within.x));
         let (sin_theta, cos_theta) = ((band.start + band.width * t) as f32).sin_cos();
-        let (sin_phi, cos_phi) = ((2.0 * PI64 * (cell.x as f64 + 0.5 + s) / width as f64) as f32).sin_cos();
+        let (sin_phi, cos_phi) = ((2.0 * PI64 * (column as f64 + 0.5 + s) / width as f64) as f32).sin_cos();
         Some(self.to_world * Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi))
     }
 }
