@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn the_rational_masking_is_within_its_stated_error() {
         for i in 1..=2000 {
-            let theta = i as f32 / 2000.0 * 1.5707;
+            let theta = i as f32 / 2000.0 * std::f32::consts::FRAC_PI_2;
             for alpha in [1e-4, 0.01, 0.3, 1.0] {
                 let exact = masking_over_cos(theta.cos(), alpha * theta.sin());
                 let rational = approximate_masking_over_cos(theta.cos(), alpha * theta.sin());
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn visible_slopes_are_at_their_quantiles() {
         for i in 0..=200 {
-            let theta = i as f32 / 200.0 * 1.5707;
+            let theta = i as f32 / 200.0 * std::f32::consts::FRAC_PI_2;
             let (sin, cos) = theta.sin_cos();
             let cumulated = |x: f32| {
                 let (e, exp) = one_plus_erf(x);
