@@ -60,14 +60,25 @@ impl Geometry {
     #[inline]
     pub fn closest<const HAS: u32>(&self, ray: &Ray) -> Option<Hit> {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        self.simd.closest::<HAS>(self, ray)
+        // The kinds that the walk knows of; other bits would only multiply its copies.
+        match HAS & (CURVED | INSTANCES) {
+            0 => self.simd.closest::<0>(self, ray),
+            CURVED => self.simd.closest::<CURVED>(self, ray),
+            INSTANCES => self.simd.closest::<INSTANCES>(self, ray),
+            _ => self.simd.closest::<{ CURVED | INSTANCES }>(self, ray),
+        }
     }
 
     /// Whether anything lies in (0, `t_max`). `HAS` must include [`Geometry::has`].
     #[inline]
     pub fn occluded<const HAS: u32>(&self, ray: &Ray) -> bool {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        self.simd.occluded::<HAS>(self, ray)
+        match HAS & (CURVED | INSTANCES) {
+            0 => self.simd.occluded::<0>(self, ray),
+            CURVED => self.simd.occluded::<CURVED>(self, ray),
+            INSTANCES => self.simd.occluded::<INSTANCES>(self, ray),
+            _ => self.simd.occluded::<{ CURVED | INSTANCES }>(self, ray),
+        }
     }
 
     /// Walks the hierarchy; compiled once for each instruction set, into the functions of [`super::dispatch`].
