@@ -60,12 +60,12 @@ impl Geometry {
     #[inline]
     pub fn closest<const HAS: u32>(&self, ray: &Ray) -> Option<Hit> {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        // Only the kinds of shape matter here: four walks are compiled, not one for every set of features.
-        match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
-            (false, false) => self.simd.closest::<0>(self, ray),
-            (true, false) => self.simd.closest::<CURVED>(self, ray),
-            (false, true) => self.simd.closest::<INSTANCES>(self, ray),
-            (true, true) => self.simd.closest::<{ CURVED | INSTANCES }>(self, ray),
+        // The kinds that the walk knows of; other bits would only multiply its copies.
+        match HAS & (CURVED | INSTANCES) {
+            0 => self.simd.closest::<0>(self, ray),
+            CURVED => self.simd.closest::<CURVED>(self, ray),
+            INSTANCES => self.simd.closest::<INSTANCES>(self, ray),
+            _ => self.simd.closest::<{ CURVED | INSTANCES }>(self, ray),
         }
     }
 
@@ -73,11 +73,11 @@ impl Geometry {
     #[inline]
     pub fn occluded<const HAS: u32>(&self, ray: &Ray) -> bool {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
-            (false, false) => self.simd.occluded::<0>(self, ray),
-            (true, false) => self.simd.occluded::<CURVED>(self, ray),
-            (false, true) => self.simd.occluded::<INSTANCES>(self, ray),
-            (true, true) => self.simd.occluded::<{ CURVED | INSTANCES }>(self, ray),
+        match HAS & (CURVED | INSTANCES) {
+            0 => self.simd.occluded::<0>(self, ray),
+            CURVED => self.simd.occluded::<CURVED>(self, ray),
+            INSTANCES => self.simd.occluded::<INSTANCES>(self, ray),
+            _ => self.simd.occluded::<{ CURVED | INSTANCES }>(self, ray),
         }
     }
 

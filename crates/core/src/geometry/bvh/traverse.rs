@@ -1,10 +1,12 @@
 //! Walking the hierarchy.
 
-use super::{Bvh, Child, Prepared, node::WIDTH};
+use super::{Bvh, Child, Prepared, node::WIDTH, prepared::STRETCH};
 use crate::geometry::{Hit, NO_INSTANCE};
 
-/// Entries of the stack that a walk keeps in its frame; a deeper hierarchy takes one from the heap.
-const INLINE_STACK: usize = 96;
+/// Entries of the stack in the frame of a walk through a flat hierarchy, kept small because it is cleared for each ray.
+const SMALL_STACK: usize = 32;
+/// The same for deeper ones; what needs more takes its stack from the heap.
+const LARGE_STACK: usize = 128;
 
 /// The best hit so far, and how far it is still worth looking.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +52,10 @@ impl Bvh {
         other: impl FnMut(Child, &mut Best) -> bool,
     ) -> bool {
         let Some(root) = self.root else { return false };
-        if self.stack <= INLINE_STACK {
-            self.walk_with::<ANY, OTHER>(&mut [0; INLINE_STACK], root, ray, instance, best, other)
+        if self.stack <= SMALL_STACK {
+            self.walk_with::<ANY, OTHER>(&mut [0; SMALL_STACK], root, ray, instance, best, other)
+        } else if self.stack <= LARGE_STACK {
+            self.walk_with::<ANY, OTHER>(&mut [0; LARGE_STACK], root, ray, instance, best, other)
         } else {
             self.walk_with::<ANY, OTHER>(&mut vec![0; self.stack], root, ray, instance, best, other)
         }
@@ -117,7 +121,7 @@ impl Bvh {
                 }
                 top -= 1;
                 let entry = stack[top];
-                if ANY || f32::from_bits((entry >> 32) as u32) <= best.cutoff {
+                if ANY || f32::from_bits((entry >> 32) as u32) <= best.hit.t * STRETCH {
                     at = Child(entry as u32);
                     break;
                 }
@@ -131,7 +135,7 @@ impl Bvh {
         let triangles = &self.packs[at.index()];
         let (edges, mut hits) = ray.edges(triangles);
         while hits != 0 {
-            let lane = (hits.trailing_zeros() / 8) as usize;
+            let lane = hits.trailing_zeros() as usize;
             hits &= hits - 1;
             if let Some((t, u, v)) = ray.decide(triangles, &edges, lane) {
                 if ANY {
