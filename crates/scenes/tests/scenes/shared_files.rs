@@ -77,4 +77,3 @@ fn published_scenes_load() {
         assert_eq!(scene.description.camera.unwrap().resolution.to_array(), resolution);
     }
 }
-
