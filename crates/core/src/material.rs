@@ -58,6 +58,15 @@ impl Material {
         }
     }
 
+    /// Whether its scattering depends on the texture coordinates.
+    pub fn is_textured(&self) -> bool {
+        match self {
+            Material::Lambert { reflectance } => !matches!(reflectance, Texture::Constant(_)),
+            Material::Conductor { .. } | Material::Dielectric { .. } => false,
+            Material::Mix { first, second, .. } => first.is_textured() || second.is_textured(),
+        }
+    }
+
     fn lobe(&self, uv: Vec2) -> Lobe {
         match self {
             Material::Lambert { reflectance } => Lobe::Lambert { reflectance: reflectance.at(uv) },

@@ -1,6 +1,6 @@
 //! What a rendering technique is to whoever drives it.
 
-use crate::{film::Film, sampler::SamplerBuilder, scene::Scene, statistics::render::RenderStatistics};
+use crate::{film::Film, sampler::SamplerBuilder, scene::Scene, statistics::render::RenderStatistics, walk::Limits};
 use std::sync::Arc;
 
 /// How a technique's error behaves: it chooses the test that the technique faces.
@@ -83,6 +83,19 @@ pub struct Settings {
     pub sampler: SamplerBuilder,
     /// Passes that are planned, 0 when unknown.
     pub planned_passes: u32,
+}
+
+impl Settings {
+    /// Every part of the light, roulette from depth 5, an unknown number of passes.
+    pub fn new(max_depth: u32, sampler: SamplerBuilder) -> Settings {
+        Settings { max_depth, roulette_depth: 5, parts: Parts::ALL, sampler, planned_passes: 0 }
+    }
+
+    /// Where a walk ends.
+    #[inline]
+    pub fn limits(&self) -> Limits {
+        Limits { max_depth: self.max_depth, roulette_depth: self.roulette_depth }
+    }
 }
 
 /// A numeric setting of one technique, as data.

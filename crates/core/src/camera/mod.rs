@@ -1,4 +1,8 @@
 //! Cameras.
+mod runtime;
+
+pub use runtime::{Camera, CameraError, CameraSample};
+
 use glam::{DAffine3, UVec2};
 
 /// A camera as a scene describes it.

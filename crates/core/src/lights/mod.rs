@@ -1,2 +1,291 @@
-//! Lights.
+//! Lights: every emitter of a scene behind one choice probability.
+//!
+//! An *element* is what is chosen at once: an emissive triangle, sphere or disk, a light without an extent, or the
+//! environment. Elements are numbered in this order: the area lights as given, the lights without an extent as given,
+//! the environment last.
+
+mod area;
+mod delta;
+mod emission;
 pub mod environment;
+mod polar;
+mod sky;
+
+pub use area::{AreaLight, AreaShape};
+pub use emission::{EmissionDensity, EmissionSample};
+
+use crate::{distribution::alias::AliasTable, rgb::Rgb, scene::DeltaLight};
+use delta::Delta;
+use environment::Environment;
+use glam::{Vec2, Vec3};
+use sky::Sky;
+use std::f64::consts::PI;
+
+/// A sphere that bounds something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundingSphere {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius.
+    pub radius: f32,
+}
+
+/// How a light is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightChoice {
+    /// In proportion to the luminance of its flux; light from infinity counts what passes the world's bounding sphere.
+    #[default]
+    Power,
+    /// Every light that emits at all alike.
+    Uniform,
+}
+
+/// All the lights of a scene.
+#[derive(Clone, Debug)]
+pub struct Lights {
+    area: Vec<AreaLight>,
+    delta: Vec<Delta>,
+    sky: Option<Sky>,
+    /// Over the elements; `None` when nothing emits.
+    choice: Option<AliasTable>,
+    world: BoundingSphere,
+    directional: bool,
+}
+
+/// A direction in which light arrives at a point, chosen for next-event estimation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectSample {
+    /// Unit direction towards the light.
+    pub wi: Vec3,
+    /// Radiance that arrives if nothing is in between. For a delta light, the irradiance on a plane that faces it.
+    pub radiance: Rgb,
+    /// Density of `wi` per steradian including the choice of the light, positive and finite; for a delta light the
+    /// probability of the choice alone.
+    pub pdf_w: f32,
+    /// Whether no other technique can find this direction.
+    pub delta: bool,
+    /// Whether the light comes from infinity: the shadow ray is unbounded and goes along `wi`.
+    pub infinite: bool,
+    /// The point on the light; for light from infinity, a point outside the world.
+    pub target: Vec3,
+    /// Bound of the absolute error of `target`, componentwise.
+    pub target_error: Vec3,
+    /// Unit normal at `target` on the side that emits; zero for a light without a surface.
+    pub target_normal: Vec3,
+    /// The light.
+    pub element: u32,
+}
+
+impl Lights {
+    /// The lights of a scene, all in the rendered world; `world` bounds everything visible.
+    ///
+    /// Values are expected to be valid as the scene checks them: finite, not negative, axes not zero, the environment
+    /// passing [`Environment::check`]. An element whose flux is zero is never chosen.
+    ///
+    /// # Panics
+    /// With 2^32 elements or more.
+    pub fn build(
+        area: Vec<AreaLight>,
+        delta: Vec<DeltaLight>,
+        environment: Option<Environment>,
+        world: BoundingSphere,
+        choice: LightChoice,
+    ) -> Lights {
+        let delta: Vec<Delta> = delta.iter().map(Delta::from).collect();
+        let sky = environment.as_ref().map(Sky::new);
+        let disk = PI * f64::from(world.radius).powi(2);
+        let flux = (area.iter().map(AreaLight::flux))
+            .chain(delta.iter().map(|light| light.flux(world.radius)))
+            .chain(sky.iter().map(|sky| disk * sky.integral()));
+        let weights: Vec<f64> = flux
+            .map(|flux| match choice {
+                _ if !(flux.is_finite() && flux > 0.0) => 0.0,
+                LightChoice::Power => flux,
+                LightChoice::Uniform => 1.0,
+            })
+            .collect();
+        assert!(u32::try_from(weights.len()).is_ok(), "too many lights: {}", weights.len());
+        let directional = delta.iter().any(|light| matches!(light, Delta::Directional { .. }));
+        Lights { area, delta, sky, choice: AliasTable::new(&weights), world, directional }
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.area.len() + self.delta.len() + usize::from(self.sky.is_some())
+    }
+
+    /// Whether there is no light at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether any light comes from infinity: an environment or a directional light.
+    pub fn has_infinite(&self) -> bool {
+        self.sky.is_some() || self.directional
+    }
+
+    /// The element that is the environment.
+    pub fn environment_element(&self) -> Option<u32> {
+        self.sky.as_ref().map(|_| self.len() as u32 - 1)
+    }
+
+    /// Probability that an element is the one chosen: what next-event estimation, emission and every weight read.
+    #[inline]
+    pub fn choice_probability(&self, element: u32) -> f32 {
+        self.choice.as_ref().map_or(0.0, |table| table.pmf(element as usize))
+    }
+
+    /// Radiance that an area element emits from a point with the geometric normal `ng` in the direction `wo`.
+    #[inline]
+    pub fn emitted(&self, element: u32, ng: Vec3, wo: Vec3) -> Rgb {
+        if ng.dot(wo) > 0.0 { self.area[element as usize].radiance } else { Rgb::BLACK }
+    }
+
+    /// Chooses a light and a direction to it, as seen from `from`. `None` where the light that is chosen cannot send
+    /// any light there, or only with a density that is not finite.
+    #[inline]
+    pub fn sample_direct(&self, from: Vec3, u_choice: f32, u: Vec2) -> Option<DirectSample> {
+        let element = self.choose(u_choice, u)?;
+        let choice = self.choice_probability(element);
+        let sample = match self.element(element) {
+            Element::Area(light) => {
+                let d = light.shape.sample_direction(from, u)?;
+                DirectSample {
+                    wi: d.wi,
+                    radiance: light.radiance,
+                    pdf_w: choice * d.pdf_w,
+                    delta: false,
+                    infinite: false,
+                    target: d.point.p,
+                    target_error: d.point.p_error,
+                    target_normal: d.point.normal,
+                    element,
+                }
+            }
+            Element::Delta(light) => self.delta_direct(light, from, choice, element)?,
+            Element::Sky(sky) => {
+                let wi = sky.sample(u)?;
+                let (radiance, pdf) = sky.radiance_and_pdf(wi);
+                self.infinite_direct(from, wi, radiance, choice * pdf, element)
+            }
+        };
+        (sample.pdf_w > 0.0 && sample.pdf_w.is_finite() && sample.radiance.is_valid()).then_some(sample)
+    }
+
+    #[inline]
+    fn delta_direct(&self, light: &Delta, from: Vec3, choice: f32, element: u32) -> Option<DirectSample> {
+        let (position, intensity, cone) = match light {
+            Delta::Directional { direction, irradiance } => {
+                let sample = self.infinite_direct(from, -*direction, *irradiance, choice, element);
+                return Some(DirectSample { delta: true, ..sample });
+            }
+            Delta::Point { position, intensity } => (*position, *intensity, None),
+            Delta::Spot { position, intensity, cone } => (*position, *intensity, Some(cone)),
+        };
+        let to = position - from;
+        let d2 = to.length_squared();
+        if d2 == 0.0 {
+            return None;
+        }
+        let wi = to / d2.sqrt();
+        let falloff = cone.map_or(1.0, |cone| cone.falloff(-wi));
+        (falloff > 0.0).then(|| DirectSample {
+            wi,
+            radiance: intensity * (falloff / d2),
+            pdf_w: choice,
+            delta: true,
+            infinite: false,
+            target: position,
+            target_error: Vec3::ZERO,
+            target_normal: Vec3::ZERO,
+            element,
+        })
+    }
+
+    #[inline]
+    fn infinite_direct(&self, from: Vec3, wi: Vec3, radiance: Rgb, pdf_w: f32, element: u32) -> DirectSample {
+        // From inside the world's sphere, beyond its far side.
+        let target = from + wi * (2.0 * self.world.radius);
+        DirectSample {
+            wi,
+            radiance,
+            pdf_w,
+            delta: false,
+            infinite: true,
+            target,
+            target_error: Vec3::ZERO,
+            target_normal: Vec3::ZERO,
+            element,
+        }
+    }
+
+    /// The density of [`Lights::sample_direct`], choice included, for a direction `wi` from `from` that another
+    /// technique found to hit the area element `element` at `p`, where its geometric normal is `ng`.
+    #[inline]
+    pub fn pdf_direct(&self, element: u32, from: Vec3, p: Vec3, ng: Vec3, wi: Vec3) -> f32 {
+        let pdf = self.choice_probability(element) * self.area[element as usize].shape.direction_pdf(from, p, ng, wi);
+        if pdf.is_finite() { pdf } else { 0.0 }
+    }
+
+    /// Radiance of the environment from a direction.
+    #[inline]
+    pub fn environment_radiance(&self, direction: Vec3) -> Rgb {
+        self.sky.as_ref().map_or(Rgb::BLACK, |sky| sky.radiance(direction))
+    }
+
+    /// The density of [`Lights::sample_direct`], choice included, for the environment in a direction.
+    #[inline]
+    pub fn environment_pdf(&self, direction: Vec3) -> f32 {
+        self.environment_radiance_and_pdf(direction).1
+    }
+
+    /// [`Lights::environment_radiance`] and [`Lights::environment_pdf`] at the price of one look-up.
+    #[inline]
+    pub fn environment_radiance_and_pdf(&self, direction: Vec3) -> (Rgb, f32) {
+        let Some(sky) = &self.sky else { return (Rgb::BLACK, 0.0) };
+        let (radiance, pdf) = sky.radiance_and_pdf(direction);
+        (radiance, pdf * self.choice_probability(self.len() as u32 - 1))
+    }
+
+    /// Bytes held, an environment's image included.
+    pub fn memory_bytes(&self) -> u64 {
+        (self.area.capacity() * size_of::<AreaLight>() + self.delta.capacity() * size_of::<Delta>()) as u64
+            + self.choice.as_ref().map_or(0, AliasTable::memory_bytes)
+            + self.sky.as_ref().map_or(0, Sky::memory_bytes)
+    }
+
+    /// Chooses an element. The bits of `u` extend those of `u_choice`: among a million elements the 24 bits of one
+    /// `f32` leave four to tell an element from its alias, which would shift probabilities by several per cent.
+    #[inline]
+    fn choose(&self, u_choice: f32, u: Vec2) -> Option<u32> {
+        let table = self.choice.as_ref()?;
+        let mixed = (u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mixed = (mixed ^ mixed >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32;
+        // 2^-24 is the spacing of the largest f32 below 1, 2^-32 that of the mixed bits.
+        let extended = f64::from(u_choice) + mixed as f64 * (0.5f64).powi(56);
+        Some(table.choose(extended) as u32)
+    }
+
+    #[inline]
+    fn element(&self, element: u32) -> Element<'_> {
+        let i = element as usize;
+        match (self.area.get(i), &self.sky) {
+            (Some(light), _) => Element::Area(light),
+            (None, Some(sky)) if i == self.area.len() + self.delta.len() => Element::Sky(sky),
+            _ => Element::Delta(&self.delta[i - self.area.len()]),
+        }
+    }
+}
+
+enum Element<'a> {
+    Area(&'a AreaLight),
+    Delta(&'a Delta),
+    Sky(&'a Sky),
+}
+
+impl AreaLight {
+    /// Flux in watts, by luminance.
+    fn flux(&self) -> f64 {
+        PI * f64::from(self.shape.area()) * f64::from(self.radiance.luminance())
+    }
+}

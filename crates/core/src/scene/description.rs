@@ -1,10 +1,12 @@
-//! The scene: as it is described, and as it is rendered.
+//! The scene as importers and code describe it: plain data.
+
+
 use crate::{
     camera::CameraDescription, geometry::Mesh, lights::environment::Environment, material::Material, rgb::Rgb,
 };
 use glam::{DAffine3, DVec3};
 
-/// A scene as importers and code describe it. Transforms are `f64`; [`Scene::new`] places everything in the world,
+/// A scene as importers and code describe it. Transforms are `f64`; [`Scene::new`](super::Scene::new) places everything in the world,
 /// moves the world's middle to the origin, and only then rounds to `f32`.
 #[derive(Clone, Debug, Default)]
 pub struct SceneDescription {
@@ -132,6 +134,3 @@ pub enum DeltaLight {
         irradiance: Rgb,
     },
 }
-
-/// The scene, ready to render.
-pub struct Scene {}

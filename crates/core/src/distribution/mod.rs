@@ -1,0 +1,3 @@
+//! Discrete and piecewise distributions.
+pub mod alias;
+pub mod piecewise;

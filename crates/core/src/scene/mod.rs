@@ -1,0 +1,278 @@
+//! The scene, ready to render: geometry, materials and lights that refer to each other by index.
+
+mod description;
+mod error;
+mod place;
+mod validate;
+
+pub use description::*;
+pub use error::{Kind, Problem, SceneError};
+
+use crate::{
+    bsdf::Bsdf,
+    camera::Camera,
+    effects::Census,
+    geometry::{Geometry, Hit, Instance, Shape, Surface},
+    has,
+    lights::{AreaLight, AreaShape, BoundingSphere, LightChoice, Lights},
+    material::Material,
+    ray::Ray,
+    rgb::Rgb,
+};
+use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3};
+use place::{Placed, object_error, place};
+
+/// A shape that emits nothing.
+const NO_LIGHT: u32 = u32::MAX;
+
+/// What is looked up when a shape is hit.
+#[derive(Clone, Copy, Debug)]
+struct ShapeInfo {
+    material: u32,
+    /// Number of its first light element, or [`NO_LIGHT`].
+    first_element: u32,
+}
+
+/// A material as it is hit.
+#[derive(Clone, Debug)]
+struct PlacedMaterial {
+    /// The scattering where no texture is involved.
+    constant: Bsdf,
+    textured: Option<Material>,
+}
+
+/// A validated scene, immutable. Rendering it cannot fail.
+#[derive(Debug)]
+pub struct Scene {
+    name: String,
+    census: Census,
+    has: u32,
+    middle: DVec3,
+    camera: Camera,
+    geometry: Geometry,
+    lights: Lights,
+    shapes: Vec<ShapeInfo>,
+    materials: Vec<PlacedMaterial>,
+    object_names: Vec<String>,
+}
+
+impl Scene {
+    /// Validates a description, places it in the world and builds the hierarchy, with lights chosen by power.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first thing found wrong and why.
+    pub fn new(description: &SceneDescription) -> Result<Scene, SceneError> {
+        Scene::with_light_choice(description, LightChoice::Power)
+    }
+
+    /// As [`Scene::new`], with another way of choosing lights.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first thing found wrong and why.
+    pub fn with_light_choice(description: &SceneDescription, choice: LightChoice) -> Result<Scene, SceneError> {
+        validate::check(description)?;
+        let camera = description
+            .camera
+            .as_ref()
+            .ok_or_else(|| SceneError::NoCamera { scene: description.name.clone() })?;
+
+        let place_all = |objects: &[Object]| -> Result<Vec<Placed>, SceneError> {
+            objects.iter().map(|o| place(o).map_err(|problem| object_error(o, problem))).collect()
+        };
+        let placed = place_all(&description.objects)?;
+        let middle = middle_of_world(description, &placed);
+        let round_all = |objects: &[Object], placed: Vec<Placed>, middle| -> Result<Vec<Shape>, SceneError> {
+            objects
+                .iter()
+                .zip(placed)
+                .map(|(o, p)| p.round(middle).map_err(|problem| object_error(o, problem)))
+                .collect()
+        };
+        let shapes = round_all(&description.objects, placed, middle)?;
+        let groups = description
+            .groups
+            .iter()
+            .map(|g| round_all(&g.objects, place_all(&g.objects)?, DVec3::ZERO))
+            .collect::<Result<Vec<_>, _>>()?;
+        let instances = description.instances.iter().map(|i| Instance {
+            group: i.group as u32,
+            to_world: to_f32(&DAffine3 { translation: i.to_world.translation - middle, ..i.to_world }),
+        });
+
+        let census = Census::of(description);
+        let (infos, area) = emitters(description, &shapes);
+        let camera = Camera::new(camera, middle)?;
+        let geometry = Geometry::build(shapes, groups, instances.collect());
+        let world = bounding_sphere(&geometry);
+        let delta = description.lights.iter().map(|l| recentre(l.kind, middle)).collect();
+        let lights = Lights::build(area, delta, description.environment.clone(), world, choice);
+        let materials = description
+            .materials
+            .iter()
+            .map(|m| PlacedMaterial {
+                constant: m.material.bsdf(Vec2::ZERO, m.two_sided),
+                textured: m.material.is_textured().then(|| m.material.clone()),
+            })
+            .collect();
+        let objects = description.objects.iter().chain(description.groups.iter().flat_map(|g| &g.objects));
+        Ok(Scene {
+            name: description.name.clone(),
+            has: census.features(),
+            census,
+            middle,
+            camera,
+            geometry,
+            lights,
+            shapes: infos,
+            materials,
+            object_names: objects.map(|o| o.name.clone()).collect(),
+        })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What effects it has.
+    pub fn census(&self) -> &Census {
+        &self.census
+    }
+
+    /// Bits of [`crate::has`]: what hot loops must be able to handle.
+    pub fn has(&self) -> u32 {
+        self.has
+    }
+
+    /// The point of the described world that is the origin here; a position here plus this is one there.
+    pub fn middle(&self) -> DVec3 {
+        self.middle
+    }
+
+    /// The camera.
+    #[inline]
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The lights.
+    #[inline]
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// Shapes and hierarchy.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// Name of the object that a [`Surface::shape`] index stands for: its stable identity from frame to frame.
+    pub fn object_name(&self, shape: u32) -> &str {
+        &self.object_names[shape as usize]
+    }
+
+    /// Bytes of geometry, hierarchy and lights.
+    pub fn memory_bytes(&self) -> u64 {
+        self.geometry.memory_bytes() + self.lights.memory_bytes() + size_of_val(&*self.shapes) as u64
+    }
+
+    /// The nearest hit along a ray.
+    #[inline]
+    pub fn closest<const HAS: u32>(&self, ray: &Ray) -> Option<Hit> {
+        self.geometry.closest::<HAS>(ray)
+    }
+
+    /// Whether anything is hit along a ray.
+    #[inline]
+    pub fn occluded<const HAS: u32>(&self, ray: &Ray) -> bool {
+        self.geometry.occluded::<HAS>(ray)
+    }
+
+    /// The geometry at a hit.
+    #[inline]
+    pub fn surface<const HAS: u32>(&self, ray: &Ray, hit: &Hit) -> Surface {
+        self.geometry.surface::<HAS>(ray, hit)
+    }
+
+    /// How the surface scatters.
+    #[inline]
+    pub fn bsdf<const HAS: u32>(&self, surface: &Surface) -> Bsdf {
+        let material = &self.materials[self.shapes[surface.shape as usize].material as usize];
+        if HAS & has::TEXTURES != 0
+            && let Some(textured) = &material.textured
+        {
+            return textured.bsdf(surface.uv, material.constant.two_sided);
+        }
+        material.constant
+    }
+
+    /// The light element that the surface is part of, if it emits.
+    #[inline]
+    pub fn element(&self, surface: &Surface) -> Option<u32> {
+        let first = self.shapes[surface.shape as usize].first_element;
+        (first != NO_LIGHT).then(|| first + surface.element)
+    }
+
+}
+
+fn to_f32(t: &DAffine3) -> Affine3A {
+    Affine3A::from_mat3_translation(t.matrix3.as_mat3(), t.translation.as_vec3())
+}
+
+/// The middle of everything, the camera included.
+fn middle_of_world(description: &SceneDescription, placed: &[Placed]) -> DVec3 {
+    let camera = description.camera.iter().map(|c| (c.to_world.translation, c.to_world.translation));
+    let instances = description.instances.iter().map(|i| (i.to_world.translation, i.to_world.translation));
+    let (lo, hi) = placed
+        .iter()
+        .map(Placed::bounds)
+        .chain(camera)
+        .chain(instances)
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)));
+    // An empty mesh has infinite bounds; halves are added so that nothing overflows.
+    let middle = lo * 0.5 + hi * 0.5;
+    if middle.is_finite() { middle } else { DVec3::ZERO }
+}
+
+fn bounding_sphere(geometry: &Geometry) -> BoundingSphere {
+    match geometry.bounds() {
+        Some((lo, hi)) => BoundingSphere { center: (lo + hi) * 0.5, radius: ((hi - lo) * 0.5).length() },
+        None => BoundingSphere { center: Vec3::ZERO, radius: 0.0 },
+    }
+}
+
+fn recentre(light: DeltaLight, middle: DVec3) -> DeltaLight {
+    match light {
+        DeltaLight::Point { position, intensity } => DeltaLight::Point { position: position - middle, intensity },
+        DeltaLight::Spot { position, direction, intensity, beam, cutoff } => {
+            DeltaLight::Spot { position: position - middle, direction, intensity, beam, cutoff }
+        }
+        directional @ DeltaLight::Directional { .. } => directional,
+    }
+}
+
+/// What is known of each shape when it is hit, and the light elements in the order that `first_element` counts.
+fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>, Vec<AreaLight>) {
+    let mut area = Vec::new();
+    let mut infos = Vec::with_capacity(shapes.len());
+    for (object, shape) in description.objects.iter().zip(shapes) {
+        let emission = object.emission.unwrap_or(Rgb::BLACK);
+        let first_element = if emission.is_black() { NO_LIGHT } else { area.len() as u32 };
+        if first_element != NO_LIGHT {
+            let mut push = |shape| area.push(AreaLight { shape, radiance: emission });
+            match shape {
+                Shape::Mesh(mesh) => {
+                    for t in &mesh.triangles {
+                        push(AreaShape::Triangle(t.map(|v| mesh.positions[v as usize])));
+                    }
+                }
+                Shape::Sphere(sphere) => push(AreaShape::Sphere(*sphere)),
+                Shape::Disk(disk) => push(AreaShape::Disk(*disk)),
+            }
+        }
+        infos.push(ShapeInfo { material: object.material as u32, first_element });
+    }
+    let grouped = description.groups.iter().flat_map(|g| &g.objects);
+    infos.extend(grouped.map(|o| ShapeInfo { material: o.material as u32, first_element: NO_LIGHT }));
+    (infos, area)
+}

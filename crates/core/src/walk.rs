@@ -1,0 +1,223 @@
+//! The one walk, from the camera or from a light, a vertex at a time.
+
+use crate::{
+    bsdf::{Bsdf, TransportMode, shading_correction},
+    frame::Frame,
+    geometry::{Surface, offset::spawn_ray},
+    has,
+    ray::Ray,
+    rgb::Rgb,
+    sampler::{Purpose, Sampler},
+    scene::Scene,
+    statistics::render::Rays,
+};
+use glam::{Vec2, Vec3};
+
+/// Where a walk ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Most edges of a path, 1 or more.
+    pub max_depth: u32,
+    /// Edge count from which Russian roulette may end it.
+    pub roulette_depth: u32,
+}
+
+/// Largest probability with which roulette lets a path live, so that even a lossless closed room ends every path.
+const MOST_SURVIVAL: f32 = 0.95;
+
+/// A vertex on a surface. It is never changed after it is made.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceVertex {
+    /// Geometry.
+    pub surface: Surface,
+    /// Shading frame: `z` of its local space is the shading normal.
+    pub frame: Frame,
+    /// Scattering.
+    pub bsdf: Bsdf,
+    /// Unit direction to the previous vertex, world space.
+    pub wo: Vec3,
+    /// The same in the shading frame.
+    pub wo_local: Vec3,
+    /// Where the edge came from: a surface vertex's point, or the camera's or light's.
+    pub from: Vec3,
+    /// Throughput of the path up to here, this vertex's scattering not included.
+    pub beta: Rgb,
+    /// Density per steradian with which the edge to here was sampled; a probability after a delta lobe.
+    pub pdf_w: f32,
+    /// Edges up to here: 1 for what the camera sees directly.
+    pub depth: u32,
+    /// What happened on the way.
+    pub history: History,
+}
+
+/// A path that left the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct EscapedVertex {
+    /// Unit direction in which it left.
+    pub direction: Vec3,
+    /// Throughput.
+    pub beta: Rgb,
+    /// As [`SurfaceVertex::pdf_w`].
+    pub pdf_w: f32,
+    /// What happened on the way.
+    pub history: History,
+}
+
+/// What sort of scattering a path has behind it, as far as classifying light needs it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct History {
+    /// Number of non-delta scatterings.
+    pub rough: u32,
+    /// Whether the last scattering was by a delta lobe.
+    pub last_delta: bool,
+}
+
+/// What a step finds.
+#[derive(Clone, Copy, Debug)]
+pub enum Vertex {
+    /// A surface.
+    Surface(SurfaceVertex),
+    /// Nothing: the path has left the scene.
+    Escaped(EscapedVertex),
+}
+
+/// A walk through a scene whose features are `HAS` (bits of [`crate::has`]).
+pub struct Walk<'a, const HAS: u32> {
+    scene: &'a Scene,
+    mode: TransportMode,
+    limits: Limits,
+    ray: Ray,
+    from: Vec3,
+    beta: Rgb,
+    /// Product of the relative indices of refraction passed, in radiance mode: what `beta` is scaled by squared.
+    eta: f32,
+    pdf_w: f32,
+    depth: u32,
+    history: History,
+}
+
+impl<'a, const HAS: u32> Walk<'a, HAS> {
+    /// A walk whose first edge is `ray` (from the camera, or from a light in mode [`TransportMode::Importance`]), with
+    /// throughput `beta` and the density `pdf_w` of its direction.
+    #[inline]
+    pub fn new(scene: &'a Scene, mode: TransportMode, limits: Limits, ray: Ray, beta: Rgb, pdf_w: f32) -> Self {
+        Walk { scene, mode, limits, from: ray.origin, ray, beta, eta: 1.0, pdf_w, depth: 0, history: History::default() }
+    }
+
+    /// A walk from the camera through the film position `film` (pixels) and the lens position `lens` (unit square).
+    #[inline]
+    pub fn from_camera(scene: &'a Scene, limits: Limits, film: Vec2, lens: Vec2) -> Self {
+        let ray = scene.camera().sample_ray(film, lens);
+        // The density of a camera ray never enters a weight of a path from the camera: 1 stands for it.
+        Walk::new(scene, TransportMode::Radiance, limits, ray, Rgb::WHITE, 1.0)
+    }
+
+    /// Follows the current edge to the next vertex.
+    #[inline]
+    pub fn trace(&mut self, rays: &mut Rays) -> Vertex {
+        match (self.depth, self.mode) {
+            (0, TransportMode::Radiance) => rays.camera += 1,
+            (0, TransportMode::Importance) => rays.light += 1,
+            _ => rays.scatter += 1,
+        }
+        self.depth += 1;
+        let direction = self.ray.direction;
+        match self.scene.closest::<HAS>(&self.ray) {
+            None => Vertex::Escaped(EscapedVertex {
+                direction,
+                beta: self.beta,
+                pdf_w: self.pdf_w,
+                history: self.history,
+            }),
+            Some(hit) => {
+                let surface = self.scene.surface::<HAS>(&self.ray, &hit);
+                let frame = Frame::from_normal_and_tangent(surface.ns, surface.dpdu);
+                let wo = -direction;
+                Vertex::Surface(SurfaceVertex {
+                    bsdf: self.scene.bsdf::<HAS>(&surface),
+                    wo_local: frame.to_local(wo),
+                    surface,
+                    frame,
+                    wo,
+                    from: self.from,
+                    beta: self.beta,
+                    pdf_w: self.pdf_w,
+                    depth: self.depth,
+                    history: self.history,
+                })
+            }
+        }
+    }
+
+    /// Whether the greatest depth is reached: no further edge may be added.
+    #[inline]
+    pub fn is_exhausted(&self) -> bool {
+        self.depth >= self.limits.max_depth
+    }
+
+    /// Samples how the path goes on from the vertex that [`Walk::trace`] returned last; `false` when it ends there: it
+    /// is absorbed, has reached its greatest depth, or Russian roulette takes it.
+    #[inline]
+    pub fn scatter(&mut self, vertex: &SurfaceVertex, sampler: &mut dyn Sampler) -> bool {
+        if self.is_exhausted() {
+            return false;
+        }
+        let (lobe, direction, roulette) = match self.mode {
+            TransportMode::Radiance => (Purpose::Lobe, Purpose::Direction, Purpose::Roulette),
+            TransportMode::Importance => {
+                (Purpose::LightWalkLobe, Purpose::LightWalkDirection, Purpose::LightWalkRoulette)
+            }
+        };
+        // A single Lambert lobe needs no choice; a number that is not asked for costs nothing and shifts no other.
+        let u_lobe = if HAS & has::LOBES != 0 { sampler.get_1d(self.depth, lobe) } else { 0.0 };
+        let u = sampler.get_2d(self.depth, direction);
+        let Some(sample) = vertex.bsdf.sample::<HAS>(vertex.wo_local, u_lobe, u, self.mode) else { return false };
+        let wi = vertex.frame.to_world(sample.wi);
+        let correction = vertex.correction(wi, sample.wi, self.mode);
+        self.beta = self.beta * sample.weight * correction;
+        if self.beta.is_black() {
+            return false;
+        }
+        if HAS & has::LOBES != 0 && self.mode == TransportMode::Radiance {
+            self.eta *= sample.eta;
+        }
+        if self.depth >= self.limits.roulette_depth {
+            // Radiance scaled by a refraction is scaled back on the way out: roulette looks at what it will be.
+            // [PBRT-4, sec. 14.5.4]
+            let survival = (self.beta.max_element() * self.eta * self.eta).min(MOST_SURVIVAL);
+            if sampler.get_1d(self.depth, roulette) >= survival {
+                return false;
+            }
+            self.beta *= 1.0 / survival;
+        }
+        self.history.rough += u32::from(!sample.delta);
+        self.history.last_delta = sample.delta;
+        self.pdf_w = sample.pdf_w;
+        self.from = vertex.surface.p;
+        self.ray = spawn_ray(&vertex.surface, wi);
+        true
+    }
+}
+
+impl SurfaceVertex {
+    /// The factor that shading normals bring for light going from or to `wi` (world, and local in the shading frame):
+    /// 0 where `wi` or `wo` lies on different sides of the shading and of the geometric normal.
+    #[inline]
+    pub fn correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
+        shading_correction(
+            mode,
+            self.wo.dot(self.surface.ng),
+            self.wo_local.z,
+            wi.dot(self.surface.ng),
+            wi_local.z,
+        )
+    }
+
+    /// Scattered `f |cos wi|` towards the world direction `wi`, and the density of sampling it.
+    #[inline]
+    pub fn eval_pdf<const HAS: u32>(&self, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        let wi_local = self.frame.to_local(wi);
+        let (f, pdf_w) = self.bsdf.eval_pdf::<HAS>(self.wo_local, wi_local, mode);
+        (f * (wi_local.z.abs() * self.correction(wi, wi_local, mode)), pdf_w)
+    }
+}

@@ -1,0 +1,126 @@
+//! One path: the estimate of the radiance through a pixel.
+
+use etendue_core::{
+    bsdf::TransportMode,
+    filter::Filter,
+    geometry::offset::{shadow_ray, spawn_ray},
+    has,
+    mis::power_heuristic,
+    rgb::Rgb,
+    sampler::{Purpose, Sampler},
+    scene::Scene,
+    statistics::render::Rays,
+    technique::{Part, Settings},
+    walk::{History, SurfaceVertex, Vertex, Walk},
+};
+use glam::UVec2;
+
+/// One estimate of a pixel's value.
+#[inline]
+pub fn pixel_sample<const HAS: u32>(
+    scene: &Scene,
+    settings: &Settings,
+    filter: Filter,
+    pixel: UVec2,
+    sampler: &mut dyn Sampler,
+    rays: &mut Rays,
+) -> Rgb {
+    // The position follows the filter's own density, so that every path counts alike [Ernst et al. 2006].
+    let film = pixel.as_vec2() + 0.5 + filter.sample(sampler.get_2d(0, Purpose::Film));
+    let lens = if scene.census().lens { sampler.get_2d(0, Purpose::Lens) } else { glam::Vec2::ZERO };
+    let mut walk = Walk::<HAS>::from_camera(scene, settings.limits(), film, lens);
+    let mut sum = Rgb::BLACK;
+    loop {
+        match walk.trace(rays) {
+            Vertex::Escaped(end) => {
+                if HAS & has::INFINITE != 0 && settings.parts.contains(seen_part(end.history, true)) {
+                    let (radiance, light_pdf) = scene.lights().environment_radiance_and_pdf(end.direction);
+                    sum += end.beta * radiance * bsdf_weight(end.history, end.pdf_w, light_pdf);
+                }
+                return sum;
+            }
+            Vertex::Surface(vertex) => {
+                if let Some(element) = scene.element(&vertex.surface) {
+                    sum += emitted(scene, settings, &vertex, element);
+                }
+                if !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
+                    sum += next_event::<HAS>(scene, settings, &vertex, sampler, rays);
+                }
+                if !walk.scatter(&vertex, sampler) {
+                    return sum;
+                }
+            }
+        }
+    }
+}
+
+/// The weight of a path whose last direction was sampled from the BSDF (or the camera): 1 where sampling the lights
+/// could not have found it.
+#[inline]
+fn bsdf_weight(history: History, bsdf_pdf: f32, light_pdf: f32) -> f32 {
+    let only_way = history.last_delta || history.rough == 0;
+    if only_way { 1.0 } else { power_heuristic(bsdf_pdf, light_pdf) }
+}
+
+/// The part of the light that a path belongs to that ran into a light.
+#[inline]
+fn seen_part(history: History, infinite: bool) -> Part {
+    match history {
+        History { rough: 0, .. } => Part::Emission,
+        History { last_delta: true, .. } => Part::Caustic,
+        History { rough: 1, .. } if infinite => Part::Environment,
+        History { rough: 1, .. } => Part::Direct,
+        _ => Part::Indirect,
+    }
+}
+
+/// Light that the vertex itself emits towards the path.
+#[inline]
+fn emitted(scene: &Scene, settings: &Settings, vertex: &SurfaceVertex, element: u32) -> Rgb {
+    let radiance = scene.lights().emitted(element, vertex.surface.ng, vertex.wo);
+    if radiance.is_black() || !settings.parts.contains(seen_part(vertex.history, false)) {
+        return Rgb::BLACK;
+    }
+    let surface = &vertex.surface;
+    let light_pdf = scene.lights().pdf_direct(element, vertex.from, surface.p, surface.ng, -vertex.wo);
+    vertex.beta * radiance * bsdf_weight(vertex.history, vertex.pdf_w, light_pdf)
+}
+
+/// Light that reaches the vertex from a sampled point of a sampled light.
+#[inline]
+fn next_event<const HAS: u32>(
+    scene: &Scene,
+    settings: &Settings,
+    vertex: &SurfaceVertex,
+    sampler: &mut dyn Sampler,
+    rays: &mut Rays,
+) -> Rgb {
+    let u_choice = sampler.get_1d(vertex.depth, Purpose::LightChoice);
+    let u = sampler.get_2d(vertex.depth, Purpose::LightPoint);
+    let surface = &vertex.surface;
+    let Some(light) = scene.lights().sample_direct(surface.p, u_choice, u) else { return Rgb::BLACK };
+    let part = match (vertex.history.rough, light.infinite && !light.delta) {
+        (0, true) => Part::Environment,
+        (0, false) => Part::Direct,
+        _ => Part::Indirect,
+    };
+    if !settings.parts.contains(part) {
+        return Rgb::BLACK;
+    }
+    let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
+    if f_cos.is_black() {
+        return Rgb::BLACK;
+    }
+    let ray = if light.infinite {
+        spawn_ray(surface, light.wi)
+    } else {
+        shadow_ray(surface, light.target, light.target_error, light.target_normal)
+    };
+    rays.shadow += 1;
+    if scene.occluded::<HAS>(&ray) {
+        return Rgb::BLACK;
+    }
+    // A light without an extent cannot be found by sampling the BSDF.
+    let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, bsdf_pdf) };
+    vertex.beta * f_cos * light.radiance * (weight / light.pdf_w)
+}

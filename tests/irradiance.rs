@@ -1,0 +1,105 @@
+//! Direct light on a floor against the analytic irradiance of every kind of light.
+
+use etendue_core::{filter::Filter, rgb::Rgb, scene::*, statistics::moments::Moments};
+use etendue_tests::{Run, limit, small::*};
+use glam::{DAffine3, DVec3};
+use std::f64::consts::PI;
+use xtask::techniques::TECHNIQUES;
+
+/// Every technique's mean over a spot of the floor is `0.5 / pi` times `irradiance`, within its own standard error.
+fn shows(name: &str, scene: &SceneDescription, irradiance: f64) {
+    for technique in TECHNIQUES {
+        let run = Run::of(scene, Filter::Box, 2);
+        let mut means = Moments::default();
+        for seed in 0..16 {
+            let film = run.film(technique, seed, 0..64);
+            let image = film.mean_image();
+            means.add(image.iter().map(|c: &Rgb| f64::from(c.g)).sum::<f64>() / image.len() as f64);
+        }
+        let expected = 0.5 / PI * irradiance;
+        // Single precision leaves an error of its own, of a few roundings, where there is no noise.
+        let error = means.standard_error().hypot(2e-6 * expected);
+        let deviation = (means.mean() - expected) / error;
+        println!("{name}, {}: {:.7} against {expected:.7}, {deviation:.2} standard errors", technique.name, means.mean());
+        assert!(deviation.abs() < limit(means.count()), "{name}, {}: {} against {expected}", technique.name, means.mean());
+    }
+}
+
+/// Irradiance right under the middle of a parallel rectangle of half sides `a`, `b` at height `h`
+/// [Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3].
+fn rectangle_irradiance(radiance: f64, a: f64, b: f64, h: f64) -> f64 {
+    let (x, y) = (a / h, b / h);
+    let (p, q) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
+    let corner = (x / p * (y / p).atan() + y / q * (x / q).atan()) / (2.0 * PI);
+    4.0 * PI * radiance * corner
+}
+
+#[test]
+fn rectangles() {
+    for (a, b, h) in [(0.5, 0.3, 1.0), (3.0, 2.0, 0.5), (1e-3, 1e-3, 1.0)] {
+        let radiance = 1.0 / (a * b) as f32;
+        let light = rectangle("light", DVec3::Y * h, DVec3::NEG_Y, (a, b), 1);
+        let scene = lit_floor(1e-4, vec![emitting(light, radiance)]);
+        shows(&format!("rectangle {a} x {b} at {h}"), &scene, rectangle_irradiance(f64::from(radiance), a, b, h));
+    }
+}
+
+#[test]
+fn spheres_from_tiny_to_huge() {
+    for (radius, height) in [(1e-4, 1.0), (0.1, 1.0), (0.7, 1.0), (50.0, 51.0), (1e-3, 9.0)] {
+        let radiance = (height / radius).powi(2) as f32;
+        let light = emitting(sphere("light", DVec3::Y * height, radius, 1), radiance);
+        let expected = PI * f64::from(radiance) * (radius / height).powi(2);
+        shows(&format!("sphere of {radius} at {height}"), &lit_floor(1e-6, vec![light]), expected);
+    }
+}
+
+/// The point lies inside the sphere, which shines inwards: half of what is around it is above the floor.
+#[test]
+fn a_sphere_around_the_point() {
+    let shape = ObjectShape::Sphere { center: DVec3::Y * 2.0, radius: 8.0, inverted: true };
+    let light = emitting(object("light", shape, DAffine3::IDENTITY, 1), 0.7);
+    shows("inside a sphere", &lit_floor(1e-3, vec![light]), PI * f64::from(0.7f32));
+}
+
+#[test]
+fn disks() {
+    for (radius, height) in [(0.4, 1.0), (5.0, 1.0), (1e-4, 2.0)] {
+        let radiance = (height / radius).powi(2) as f32;
+        let to_world = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(radius),
+            glam::DQuat::from_rotation_x(PI / 2.0),
+            DVec3::Y * height,
+        );
+        let light = emitting(object("light", ObjectShape::Disk, to_world, 1), radiance);
+        let expected = PI * f64::from(radiance) * radius * radius / (radius * radius + height * height);
+        shows(&format!("disk of {radius} at {height}"), &lit_floor(1e-6, vec![light]), expected);
+    }
+}
+
+#[test]
+fn lights_without_an_extent() {
+    let intensity = Rgb::splat(3.0);
+    let position = DVec3::new(0.0, 2.0, 1.0);
+    let cubed = position.length().powi(3);
+    shows(
+        "point",
+        &delta_lit_floor(1e-5, DeltaLight::Point { position, intensity }),
+        f64::from(intensity.g) * position.y / cubed,
+    );
+    for (beam, cutoff, factor) in [(0.3, 0.6, 1.0), (0.0, 0.8, 1.0), (0.5, 0.5, 1.0)] {
+        let spot = DeltaLight::Spot { position, direction: -position, intensity, beam, cutoff };
+        shows("spot on its axis", &delta_lit_floor(1e-5, spot), factor * f64::from(intensity.g) * position.y / cubed);
+    }
+    // 0.4 radians off the axis, where the intensity has fallen to half.
+    let axis = glam::DQuat::from_rotation_x(0.4) * -position;
+    let spot = DeltaLight::Spot { position, direction: axis, intensity, beam: 0.2, cutoff: 0.6 };
+    shows("spot off its axis", &delta_lit_floor(1e-5, spot), 0.5 * f64::from(intensity.g) * position.y / cubed);
+    let directional = DeltaLight::Directional { direction: DVec3::new(1.0, -2.0, 0.5), irradiance: Rgb::splat(1.5) };
+    shows("directional", &delta_lit_floor(1.0, directional), 1.5 * 2.0 / 5.25f64.sqrt());
+}
+
+#[test]
+fn a_constant_sky() {
+    shows("constant sky", &under_sky(lit_floor(1.0, Vec::new()), 0.6), PI * f64::from(0.6f32));
+}
