@@ -214,13 +214,13 @@ mod tests {
         let path = folder.path().join("a.exr");
         sample().write(&path).unwrap();
         let good = std::fs::read(&path).unwrap();
-        for cut in (0..good.len()).step_by(7) {
+        for cut in (0..good.len()).step_by(23) {
             std::fs::write(&path, &good[..cut]).unwrap();
             let error = ExrFile::read(&path).unwrap_err().to_string();
             assert!(error.contains("a.exr"), "{error}");
         }
         // A changed byte may leave a readable file; it must not do worse than an error.
-        for (i, flip) in (0..good.len()).zip([1u8, 0x80, 0xff, 0x10].into_iter().cycle()) {
+        for (i, flip) in (0..good.len()).step_by(5).zip([1u8, 0x80, 0xff, 0x10].into_iter().cycle()) {
             let mut bad = good.clone();
             bad[i] ^= flip;
             std::fs::write(&path, &bad).unwrap();

@@ -179,7 +179,6 @@ impl Job {
     pub fn build(&self, threads: usize, planned_passes: u32) -> Result<Engine, Error> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|e| Error::Input(format!("--threads {threads}: {e}")))?;
-        let description = self.scene.description.clone();
         let settings = Settings {
             max_depth: self.key.depth,
             roulette_depth: self.scene.roulette_depth,
@@ -189,8 +188,8 @@ impl Job {
         };
         let (built, build) = timed(|| {
             pool.install(|| {
-                let scene = Arc::new(Scene::new(description)?);
-                Ok((scene.clone(), (self.technique.build)(scene, settings, &self.knobs)))
+                let scene = Arc::new(Scene::new(&self.scene.description)?);
+                Ok::<_, etendue_core::scene::SceneError>((scene.clone(), (self.technique.build)(scene, settings, &self.knobs)))
             })
         });
         let (scene, technique) = built.map_err(|source| Error::Scene { scene: self.key.scene.clone(), source })?;
