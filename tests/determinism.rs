@@ -69,7 +69,11 @@ fn parts_of_the_light_add_up() {
                     let all = whole.mean(pixel);
                     for c in 0..3 {
                         let error = (sum[c] - all[c]).abs();
-                        assert!(error <= 1e-5 * all[c].abs(), "{} on {scene} at {pixel}: {sum:?} {all:?}", technique.name);
+                        assert!(
+                            error <= 1e-5 * all[c].abs(),
+                            "{} on {scene} at {pixel}: {sum:?} {all:?}",
+                            technique.name
+                        );
                     }
                 }
             }

@@ -54,8 +54,7 @@ fn a_closed_lambert_furnace_is_a_geometric_series() {
             objects: vec![emitting(object("walls", shape, glam::DAffine3::IDENTITY, 0), emission)],
             ..SceneDescription::default()
         };
-        let expected: f64 =
-            (0..depth).map(|k| f64::from(emission) * f64::from(reflectance).powi(k as i32)).sum();
+        let expected: f64 = (0..depth).map(|k| f64::from(emission) * f64::from(reflectance).powi(k as i32)).sum();
         shines(&format!("lambert {reflectance}"), &scene, depth, expected);
     }
 }

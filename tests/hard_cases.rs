@@ -239,7 +239,12 @@ fn cameras_in_odd_places() {
         camera: Some(pinhole(DVec3::ZERO, DVec3::Z, 1.0, 8)),
         materials: vec![grey(0.0)],
         objects: vec![emitting(
-            object("light", ObjectShape::Sphere { center: DVec3::ZERO, radius: 2.0, inverted: true }, DAffine3::IDENTITY, 0),
+            object(
+                "light",
+                ObjectShape::Sphere { center: DVec3::ZERO, radius: 2.0, inverted: true },
+                DAffine3::IDENTITY,
+                0,
+            ),
             3.0,
         )],
         ..SceneDescription::default()

@@ -20,8 +20,17 @@ fn shows(name: &str, scene: &SceneDescription, irradiance: f64) {
         // Single precision leaves an error of its own, of a few roundings, where there is no noise.
         let error = means.standard_error().hypot(2e-6 * expected);
         let deviation = (means.mean() - expected) / error;
-        println!("{name}, {}: {:.7} against {expected:.7}, {deviation:.2} standard errors", technique.name, means.mean());
-        assert!(deviation.abs() < limit(means.count()), "{name}, {}: {} against {expected}", technique.name, means.mean());
+        println!(
+            "{name}, {}: {:.7} against {expected:.7}, {deviation:.2} standard errors",
+            technique.name,
+            means.mean()
+        );
+        assert!(
+            deviation.abs() < limit(means.count()),
+            "{name}, {}: {} against {expected}",
+            technique.name,
+            means.mean()
+        );
     }
 }
 

@@ -46,7 +46,8 @@ fn the_core_and_the_techniques_stay_light() {
         let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("every crate has a manifest");
         let dependencies = manifest.split("[dev-dependencies]").next().unwrap_or_default();
         for name in heavy {
-            let used = dependencies.lines().any(|l| l.starts_with(&format!("{name}.")) || l.starts_with(&format!("{name} ")));
+            let used =
+                dependencies.lines().any(|l| l.starts_with(&format!("{name}.")) || l.starts_with(&format!("{name} ")));
             assert!(!used, "{} depends on {name}", folder.display());
         }
     }

@@ -5,8 +5,8 @@ pub mod small;
 use etendue_core::{
     film::Film,
     filter::Filter,
+    independent::independent,
     rgb::Rgb,
-    sampler::independent,
     scene::{Scene, SceneDescription},
     statistics::special::student_t_quantile,
     technique::{Settings, TechniqueInfo},

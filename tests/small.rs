@@ -83,10 +83,7 @@ pub fn lit_floor(seen: f64, lights: Vec<Object>) -> SceneDescription {
 
 /// The floor of [`lit_floor`] lit by a light without an extent.
 pub fn delta_lit_floor(seen: f64, kind: DeltaLight) -> SceneDescription {
-    SceneDescription {
-        lights: vec![LightDescription { name: "light".into(), kind }],
-        ..lit_floor(seen, Vec::new())
-    }
+    SceneDescription { lights: vec![LightDescription { name: "light".into(), kind }], ..lit_floor(seen, Vec::new()) }
 }
 
 /// The same scene under a constant sky.

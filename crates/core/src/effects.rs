@@ -207,10 +207,8 @@ fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32, f32))>) {
     let width = |r: &Option<Roughness>| r.map_or((0.0, 0.0), |r| (r.alpha.min_element(), r.alpha.max_element()));
     match material {
         Material::Lambert { .. } => lobes.push((LobeKind::Lambert, (1.0, 1.0))),
-        Material::Conductor { roughness, .. } => lobes.push((
-            if roughness.is_some() { LobeKind::RoughConductor } else { LobeKind::Conductor },
-            width(roughness),
-        )),
+        Material::Conductor { roughness, .. } => lobes
+            .push((if roughness.is_some() { LobeKind::RoughConductor } else { LobeKind::Conductor }, width(roughness))),
         Material::Dielectric { roughness, .. } => lobes.push((
             if roughness.is_some() { LobeKind::RoughDielectric } else { LobeKind::Dielectric },
             width(roughness),
@@ -248,10 +246,8 @@ fn environment_use(environment: &Environment) -> Option<EnvironmentUse> {
                 seen += taken;
                 power += luminance * taken;
             }
-            (total > 0.0).then(|| EnvironmentUse::LatLong {
-                size: (image.width, image.height),
-                peak_share: power / total,
-            })
+            (total > 0.0)
+                .then(|| EnvironmentUse::LatLong { size: (image.width, image.height), peak_share: power / total })
         }
     }
 }

@@ -167,3 +167,133 @@ fn exceeded(z: f64) -> f64 {
     let inner: f64 = (1..PANELS).map(|i| if i % 2 == 1 { 4.0 } else { 2.0 } * f(i as f64 * h)).sum();
     2.0 * GAUSSIAN_AT_END * (inner + f(end)) * h / 3.0 / GAUSSIAN_INTEGRAL
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        independent::Independent,
+        sampler::{Purpose, Sampler},
+        statistics::{chi_square, special::erf},
+    };
+    use proptest::prelude::*;
+
+    const FILTERS: [Filter; 5] = [
+        Filter::Box,
+        Filter::Tent { radius: 1.0 },
+        Filter::Tent { radius: 0.3 },
+        Filter::Gaussian { stddev: 0.5 },
+        Filter::Gaussian { stddev: 2.5 },
+    ];
+
+    /// Probability of the filter below `x`, in closed form.
+    fn cdf(filter: Filter, x: f64) -> f64 {
+        match filter {
+            Filter::Box => x + 0.5,
+            Filter::Tent { radius } => {
+                let x = x / f64::from(radius);
+                0.5 + x - 0.5 * x * x.abs()
+            }
+            Filter::Gaussian { stddev } => {
+                let z = x / f64::from(stddev);
+                let half = (2.0 * std::f64::consts::PI).sqrt() * 0.5;
+                0.5 + (half * erf(z / std::f64::consts::SQRT_2) - GAUSSIAN_AT_END * z) / GAUSSIAN_INTEGRAL
+            }
+        }
+    }
+
+    #[test]
+    fn the_constants_are_what_they_say() {
+        assert!((GAUSSIAN_AT_END - (-8.0_f64).exp()).abs() < 1e-19);
+        let end = f64::from(GAUSSIAN_END);
+        let integral = (2.0 * std::f64::consts::PI).sqrt() * erf(end / std::f64::consts::SQRT_2);
+        assert!((GAUSSIAN_INTEGRAL - (integral - 2.0 * end * GAUSSIAN_AT_END)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn values_are_the_slope_of_the_cdf_and_integrate_to_1() {
+        for filter in FILTERS {
+            let r = f64::from(filter.radius());
+            assert!((cdf(filter, r) - cdf(filter, -r) - 1.0).abs() < 1e-12, "{filter:?}");
+            for i in -99..100 {
+                let (x, h) = (f64::from(i) / 100.0 * r, 1e-4 * r);
+                let slope = (cdf(filter, x + h) - cdf(filter, x - h)) / (2.0 * h);
+                let value = f64::from(filter.evaluate_1d(x as f32));
+                // The peak times the rounding of x and of the exponential; the tent's kink is at i = 0.
+                let kink = if i == 0 { 1e-4 } else { 0.0 };
+                assert!((value - slope).abs() <= (2e-6 + kink) / r, "{filter:?} {x}: {value} {slope}");
+            }
+            assert_eq!(filter.evaluate_1d(1.001 * filter.radius()), 0.0);
+            assert_eq!(filter.evaluate_1d(-1.001 * filter.radius()), 0.0);
+            let at = Vec2::new(0.1, -0.2);
+            assert_eq!(filter.evaluate(at), filter.evaluate_1d(0.1) * filter.evaluate_1d(-0.2));
+        }
+    }
+
+    #[test]
+    fn quantiles_are_exact_to_the_resolution_of_the_numbers() {
+        for filter in FILTERS {
+            for i in 0..100_000 {
+                let u = (i as f32 + 0.5) / 100_000.0;
+                let error = cdf(filter, f64::from(filter.sample_1d(u))) - f64::from(u);
+                // The lattice's half step, and the rounding of a coordinate near 1.
+                assert!(error.abs() <= 0.5_f64.powi(22), "{filter:?} {u} {error:e}");
+            }
+            // Into the tails, where the relative error counts.
+            for e in 1..24 {
+                let u = 0.5_f32.powi(e);
+                let exact = f64::from(u) + 0.5_f64.powi(25) * f64::from(u8::from(filter != Filter::Box));
+                let x = f64::from(filter.sample_1d(u));
+                let relative = cdf(filter, x) / exact - 1.0;
+                // The offset is rounded a few times, by 2^-24 of the radius or less; the filter's value there says how much
+                // probability that moves.
+                let moved = f64::from(filter.evaluate_1d(x as f32) * filter.radius()) * 3.0 * 0.5_f64.powi(24) / exact;
+                assert!(relative.abs() <= moved.min(1e-3), "{filter:?} {e} {relative:e} {moved:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn offsets_are_distributed_as_the_filter() {
+        const BINS: usize = 24;
+        const SAMPLES: u32 = 500_000;
+        for filter in FILTERS {
+            let mut sampler = Independent::new(9);
+            let r = filter.radius();
+            let mut counts = vec![0; BINS * BINS];
+            let bin = |x: f32| ((x / r * 0.5 + 0.5) * BINS as f32) as usize;
+            for index in 0..SAMPLES {
+                sampler.start_sample(index, 0);
+                let p = filter.sample(sampler.get_2d(0, Purpose::Film));
+                counts[bin(p.y) * BINS + bin(p.x)] += 1;
+            }
+            let edge = |i: usize| (2.0 * i as f64 / BINS as f64 - 1.0) * f64::from(r);
+            let mass: Vec<f64> = (0..BINS).map(|i| cdf(filter, edge(i + 1)) - cdf(filter, edge(i))).collect();
+            let expected: Vec<f64> =
+                (0..BINS * BINS).map(|i| (mass[i / BINS] * mass[i % BINS]).max(0.0) * f64::from(SAMPLES)).collect();
+            let test = chi_square::test(&counts, &expected, 5.0);
+            assert!(test.p_value > chi_square::sidak(1e-4, FILTERS.len()), "{filter:?} {test:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_filter_is_positive_where_it_is_sampled(
+            u in prop_oneof![Just(0.0), Just(1.0_f32.next_down()), Just(f32::MIN_POSITIVE), 0.0..1.0_f32],
+        ) {
+            for filter in FILTERS {
+                let x = filter.sample_1d(u);
+                prop_assert!(x.abs() <= filter.radius() && filter.evaluate_1d(x) > 0.0, "{:?} {}", filter, x);
+            }
+        }
+    }
+
+    #[test]
+    fn widths_that_are_none_are_told() {
+        assert!(FILTERS.iter().all(Filter::is_valid));
+        for width in [0.0, -1.0, f32::NAN, f32::INFINITY, f32::MAX, f32::MIN_POSITIVE] {
+            assert!(!Filter::Tent { radius: width }.is_valid(), "{width}");
+            assert!(!Filter::Gaussian { stddev: width }.is_valid(), "{width}");
+        }
+    }
+}

@@ -2,18 +2,21 @@
 
 pub mod bsdf;
 pub mod camera;
-pub mod effects;
 pub mod distribution;
+pub mod effects;
 pub mod film;
 pub mod filter;
-pub mod frame;
 pub mod fixed;
+pub mod frame;
 pub mod geometry;
 pub mod has;
+pub mod independent;
 pub mod lights;
 pub mod material;
+pub mod mis;
 pub mod parallel;
 pub mod ray;
+pub mod reservoir;
 pub mod rgb;
 pub mod sampler;
 pub mod scene;

@@ -101,7 +101,18 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
     /// throughput `beta` and the density `pdf_w` of its direction.
     #[inline]
     pub fn new(scene: &'a Scene, mode: TransportMode, limits: Limits, ray: Ray, beta: Rgb, pdf_w: f32) -> Self {
-        Walk { scene, mode, limits, from: ray.origin, ray, beta, eta: 1.0, pdf_w, depth: 0, history: History::default() }
+        Walk {
+            scene,
+            mode,
+            limits,
+            from: ray.origin,
+            ray,
+            beta,
+            eta: 1.0,
+            pdf_w,
+            depth: 0,
+            history: History::default(),
+        }
     }
 
     /// A walk from the camera through the film position `film` (pixels) and the lens position `lens` (unit square).
@@ -123,12 +134,9 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
         self.depth += 1;
         let direction = self.ray.direction;
         match self.scene.closest::<HAS>(&self.ray) {
-            None => Vertex::Escaped(EscapedVertex {
-                direction,
-                beta: self.beta,
-                pdf_w: self.pdf_w,
-                history: self.history,
-            }),
+            None => {
+                Vertex::Escaped(EscapedVertex { direction, beta: self.beta, pdf_w: self.pdf_w, history: self.history })
+            }
             Some(hit) => {
                 let surface = self.scene.surface::<HAS>(&self.ray, &hit);
                 let frame = Frame::from_normal_and_tangent(surface.ns, surface.dpdu);
@@ -204,13 +212,7 @@ impl SurfaceVertex {
     /// 0 where `wi` or `wo` lies on different sides of the shading and of the geometric normal.
     #[inline]
     pub fn correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
-        shading_correction(
-            mode,
-            self.wo.dot(self.surface.ng),
-            self.wo_local.z,
-            wi.dot(self.surface.ng),
-            wi_local.z,
-        )
+        shading_correction(mode, self.wo.dot(self.surface.ng), self.wo_local.z, wi.dot(self.surface.ng), wi_local.z)
     }
 
     /// Scattered `f |cos wi|` towards the world direction `wi`, and the density of sampling it.

@@ -4,7 +4,7 @@
 //! with the power heuristic.
 //!
 //! ```
-//! use etendue_core::{film::Film, filter::Filter, rgb::Rgb, sampler::independent, scene::*, technique::*};
+//! use etendue_core::{film::Film, filter::Filter, rgb::Rgb, independent::independent, scene::*, technique::*};
 //! use etendue_core::{camera::*, material::Material};
 //! use glam::{DAffine3, DVec3, UVec2};
 //! use std::sync::Arc;

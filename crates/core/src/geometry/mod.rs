@@ -1,5 +1,18 @@
 //! Shapes, the hierarchy over them, and what is known at a hit.
 
+mod bvh;
+mod disk;
+mod dispatch;
+mod instance;
+pub mod offset;
+mod space;
+mod sphere;
+mod surface;
+mod triangle;
+mod world;
+
+pub use world::Geometry;
+
 use glam::{Affine3A, Vec2, Vec3};
 
 /// An indexed triangle mesh in world space (or in the space of its group).

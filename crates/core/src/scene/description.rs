@@ -1,6 +1,5 @@
 //! The scene as importers and code describe it: plain data.
 
-
 use crate::{
     camera::CameraDescription, geometry::Mesh, lights::environment::Environment, material::Material, rgb::Rgb,
 };

@@ -71,10 +71,8 @@ impl Scene {
     /// [`SceneError`] names the first thing found wrong and why.
     pub fn with_light_choice(description: &SceneDescription, choice: LightChoice) -> Result<Scene, SceneError> {
         validate::check(description)?;
-        let camera = description
-            .camera
-            .as_ref()
-            .ok_or_else(|| SceneError::NoCamera { scene: description.name.clone() })?;
+        let camera =
+            description.camera.as_ref().ok_or_else(|| SceneError::NoCamera { scene: description.name.clone() })?;
 
         let place_all = |objects: &[Object]| -> Result<Vec<Placed>, SceneError> {
             objects.iter().map(|o| place(o).map_err(|problem| object_error(o, problem))).collect()
@@ -173,7 +171,7 @@ impl Scene {
 
     /// Bytes of geometry, hierarchy and lights.
     pub fn memory_bytes(&self) -> u64 {
-        self.geometry.memory_bytes() + self.lights.memory_bytes() + size_of_val(&*self.shapes) as u64
+        self.geometry.memory_bytes() as u64 + self.lights.memory_bytes() + size_of_val(&*self.shapes) as u64
     }
 
     /// The nearest hit along a ray.
@@ -212,7 +210,6 @@ impl Scene {
         let first = self.shapes[surface.shape as usize].first_element;
         (first != NO_LIGHT).then(|| first + surface.element)
     }
-
 }
 
 fn to_f32(t: &DAffine3) -> Affine3A {

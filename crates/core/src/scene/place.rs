@@ -66,9 +66,9 @@ impl Placed {
     /// Smallest and largest corner.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
         match self {
-            Placed::Mesh { positions, .. } => positions
-                .iter()
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p))),
+            Placed::Mesh { positions, .. } => {
+                positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
+            }
             Placed::Sphere { center, radius, .. } | Placed::Disk { center, radius, .. } => {
                 (*center - DVec3::splat(*radius), *center + DVec3::splat(*radius))
             }
@@ -175,13 +175,10 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
                 return Err(Problem::OutOfRange { what: "radius", value: *radius, expected: "positive and finite" });
             }
             let scales = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::length);
-            let orthogonal = [
-                (matrix.x_axis, matrix.y_axis),
-                (matrix.y_axis, matrix.z_axis),
-                (matrix.z_axis, matrix.x_axis),
-            ]
-            .iter()
-            .all(|(a, b)| a.dot(*b).abs() <= UNIFORM * a.length() * b.length());
+            let orthogonal =
+                [(matrix.x_axis, matrix.y_axis), (matrix.y_axis, matrix.z_axis), (matrix.z_axis, matrix.x_axis)]
+                    .iter()
+                    .all(|(a, b)| a.dot(*b).abs() <= UNIFORM * a.length() * b.length());
             if !orthogonal || scales.iter().any(|s| (s - scales[0]).abs() > UNIFORM * scales[0]) {
                 return Err(Problem::NonUniformScale("a sphere"));
             }

@@ -62,13 +62,7 @@ fn elements(object: &Object) -> usize {
     }
 }
 
-fn check_index(
-    what: &'static str,
-    index: usize,
-    target: &str,
-    value: usize,
-    count: usize,
-) -> Result<(), Problem> {
+fn check_index(what: &'static str, index: usize, target: &str, value: usize, count: usize) -> Result<(), Problem> {
     if value < count {
         Ok(())
     } else {
@@ -120,11 +114,7 @@ fn check_material(material: &Material) -> Result<(), Problem> {
         }
         Material::Mix { first, second, weight } => {
             if !(0.0..=1.0).contains(weight) {
-                return Err(Problem::OutOfRange {
-                    what: "weight",
-                    value: f64::from(*weight),
-                    expected: "in [0, 1]",
-                });
+                return Err(Problem::OutOfRange { what: "weight", value: f64::from(*weight), expected: "in [0, 1]" });
             }
             for member in [first, second] {
                 if matches!(**member, Material::Mix { .. }) {
@@ -148,12 +138,8 @@ fn check_texture(texture: &Texture) -> Result<(), Problem> {
         Texture::Bitmap(bitmap) => {
             let expected = bitmap.width as usize * bitmap.height as usize;
             if expected == 0 || bitmap.texels.len() != expected {
-                let problem = format!(
-                    "its bitmap of {}x{} has {} texels",
-                    bitmap.width,
-                    bitmap.height,
-                    bitmap.texels.len()
-                );
+                let problem =
+                    format!("its bitmap of {}x{} has {} texels", bitmap.width, bitmap.height, bitmap.texels.len());
                 return Err(Problem::Other(problem));
             }
             bitmap.texels.iter().try_for_each(|c| check_colour("reflectance", *c, 1.0))

@@ -1,0 +1,142 @@
+//! Building the hierarchy.
+
+use super::{
+    Bvh, Child, Node, Pack,
+    collapse::{Lone, Plan},
+    node::{LANES, WIDTH},
+    topology::{Binary, cluster},
+};
+use glam::Vec3;
+
+/// What a reference refers to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::geometry) enum Kind {
+    /// A triangle, by primitive.
+    Triangle,
+    /// A curved shape, by its index among the curved shapes.
+    Curved,
+    /// An instance, by its index.
+    Instance,
+}
+
+/// What the hierarchy is built over.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::geometry) struct Reference {
+    /// Lower bounds, finite.
+    pub lo: Vec3,
+    /// Upper bounds, finite.
+    pub hi: Vec3,
+    /// What it is.
+    pub kind: Kind,
+    /// Which of its kind.
+    pub index: u32,
+}
+
+impl Bvh {
+    /// Builds the hierarchy; `triangle` gives the vertices of a primitive.
+    pub fn build(references: &[Reference], triangle: impl Fn(u32) -> [Vec3; 3]) -> Bvh {
+        if references.is_empty() {
+            return Bvh::default();
+        }
+        assert!(references.len() <= Child::MAX as usize, "more than {} primitives", Child::MAX);
+        let binary = cluster(references);
+        // Which nodes hold triangles only: those that may become packs.
+        let mut triangles = vec![true; binary.len()];
+        for n in (0..binary.len()).rev() {
+            let first = binary[n].first as usize;
+            triangles[n] = if binary[n].count == 1 {
+                references[first].kind == Kind::Triangle
+            } else {
+                triangles[first] && triangles[first + 1]
+            };
+        }
+        let lone = |leaf: &Binary| match references[leaf.first as usize].kind {
+            Kind::Triangle => Lone::Triangle,
+            Kind::Curved | Kind::Instance => Lone::Other,
+        };
+        let plan = Plan::new(&binary, lone, |n| triangles[n] && binary[n].count as usize <= LANES);
+        let mut emitter = Emitter {
+            binary: &binary,
+            plan,
+            references,
+            triangle,
+            bvh: Bvh { bounds: Some((binary[0].lo, binary[0].hi)), ..Bvh::default() },
+        };
+        emitter.run();
+        emitter.bvh
+    }
+}
+
+/// Writes the wide tree.
+struct Emitter<'a, F> {
+    binary: &'a [Binary],
+    plan: Plan<'a>,
+    references: &'a [Reference],
+    triangle: F,
+    bvh: Bvh,
+}
+
+impl<F: Fn(u32) -> [Vec3; 3]> Emitter<'_, F> {
+    fn run(&mut self) {
+        if self.plan.is_leaf(0) {
+            self.bvh.root = Some(self.leaf(0));
+            return;
+        }
+        self.bvh.root = Some(Child::node(0));
+        self.bvh.nodes.push(Node::EMPTY);
+        // Depth first, so that what is near in space is near in memory. Entries: binary node, wide node, depth.
+        let mut pending = vec![(0, 0, 1)];
+        let mut depth = 0;
+        let mut children = Vec::with_capacity(WIDTH);
+        while let Some((from, to, level)) = pending.pop() {
+            depth = depth.max(level);
+            children.clear();
+            self.plan.children(from, &mut children);
+            for (slot, &n) in children.iter().enumerate() {
+                let child = if self.plan.is_leaf(n) {
+                    self.leaf(n)
+                } else {
+                    let index = self.bvh.nodes.len();
+                    self.bvh.nodes.push(Node::EMPTY);
+                    pending.push((n, index, level + 1));
+                    Child::node(index as u32)
+                };
+                let (lo, hi) = (self.binary[n].lo, self.binary[n].hi);
+                self.bvh.nodes[to].set(slot, lo, hi, child);
+            }
+        }
+        // On the way down each node leaves all its children but one on the stack.
+        self.bvh.stack = depth * (WIDTH - 1) + 1;
+        self.bvh.nodes.shrink_to_fit();
+        self.bvh.packs.shrink_to_fit();
+    }
+
+    /// Makes a leaf of a binary node.
+    fn leaf(&mut self, n: usize) -> Child {
+        let node = self.binary[n];
+        if node.count == 1 {
+            let reference = self.references[node.first as usize];
+            match reference.kind {
+                Kind::Triangle => {}
+                Kind::Curved => return Child::curved(reference.index),
+                Kind::Instance => return Child::instance(reference.index),
+            }
+        }
+        let mut pack = Pack::EMPTY;
+        let mut lane = 0;
+        // At most four leaves below, hence at most three levels.
+        let mut pending = vec![n];
+        while let Some(n) = pending.pop() {
+            let node = self.binary[n];
+            if node.count == 1 {
+                let primitive = self.references[node.first as usize].index;
+                pack.set(lane, (self.triangle)(primitive), primitive);
+                lane += 1;
+            } else {
+                pending.extend([node.first as usize + 1, node.first as usize]);
+            }
+        }
+        self.bvh.packs.push(pack);
+        Child::pack(self.bvh.packs.len() as u32 - 1)
+    }
+}

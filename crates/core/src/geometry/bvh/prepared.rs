@@ -1,0 +1,186 @@
+//! The tests of boxes and triangles against a ray that has been prepared for them.
+
+use super::node::{LANES, Node, Pack, WIDTH};
+use crate::{geometry::offset::ROUNDOFF, ray::Ray};
+use glam::Vec3;
+
+/// Factor on far distances; twice the 14 units roundoff that the test of a triangle may move what it tests, and room for
+/// the three roundings of the box test itself.
+const STRETCH: f32 = 1.0 + 34.0 * ROUNDOFF;
+
+/// A ray, and what the tests need of it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::geometry) struct Prepared {
+    origin: [f32; 3],
+    direction: Vec3,
+    inverse: [f32; 3],
+    /// Which of a box's bounds the ray meets first, by axis: 0 the lower, 1 the upper.
+    near: [usize; 3],
+    /// The axes: two others, then the one along which the direction is largest.
+    axes: [usize; 3],
+    /// The shear that takes the direction to the third axis, and the scale along that axis. [Woop et al. 2013, sec. 3.1]
+    shear: [f32; 3],
+    t_max: f32,
+}
+
+impl Prepared {
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Prepared {
+        let d = ray.direction;
+        let a = d.abs();
+        let z = if a.x >= a.y && a.x >= a.z {
+            0
+        } else if a.y >= a.z {
+            1
+        } else {
+            2
+        };
+        let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
+        let scale = 1.0 / d[z];
+        Prepared {
+            origin: ray.origin.to_array(),
+            direction: d,
+            inverse: [1.0 / d.x, 1.0 / d.y, 1.0 / d.z],
+            // By the sign bit: the inverse of -0.0 is negative infinity.
+            near: [d.x, d.y, d.z].map(|d| usize::from(d.is_sign_negative())),
+            axes: [x, y, z],
+            shear: [d[x] / d[z], d[y] / d[z], scale],
+            t_max: ray.t_max,
+        }
+    }
+
+    /// Where the tests start: the largest `t` that a box may be entered at, given the best hit so far.
+    #[inline(always)]
+    pub fn cutoff(t: f32) -> f32 {
+        // Finite, as a box beside a ray parallel to it is entered at infinity.
+        let stretched = t * STRETCH;
+        if stretched < f32::MAX { stretched } else { f32::MAX }
+    }
+
+    /// Where the ray enters each box, and eight bytes that are 1 where it does so before `cutoff`, else 0.
+    #[inline(always)]
+    pub fn boxes(&self, node: &Node, cutoff: f32) -> ([f32; WIDTH], u64) {
+        let [ox, oy, oz] = self.origin;
+        let [ix, iy, iz] = self.inverse;
+        let [x, y, z] = &node.bounds;
+        let (x0, x1) = (&x[self.near[0] & 1], &x[(self.near[0] & 1) ^ 1]);
+        let (y0, y1) = (&y[self.near[1] & 1], &y[(self.near[1] & 1) ^ 1]);
+        let (z0, z1) = (&z[self.near[2] & 1], &z[(self.near[2] & 1) ^ 1]);
+        let mut enter = [0.0f32; WIDTH];
+        let mut hit = [0u8; WIDTH];
+        for i in 0..WIDTH {
+            // Parallel to a slab and on its boundary: 0 * inf, not a number, which `max` and `min` pass over.
+            let near = max((x0[i] - ox) * ix, max((y0[i] - oy) * iy, max((z0[i] - oz) * iz, 0.0)));
+            let far = min((x1[i] - ox) * ix, min((y1[i] - oy) * iy, min((z1[i] - oz) * iz, f32::INFINITY)));
+            // [Ize 2013, sec. 3]
+            let far = min(far * STRETCH, cutoff);
+            enter[i] = near;
+            hit[i] = u8::from(near <= far);
+        }
+        (enter, u64::from_le_bytes(hit))
+    }
+
+    /// The triangles of a pack that the ray's line passes through or, by rounding, may pass through: a byte 1 for each;
+    /// and the three edge functions of each.
+    #[inline(always)]
+    pub fn edges(&self, pack: &Pack) -> (Edges, u32) {
+        let [x, y, z] = self.axes;
+        let [ox, oy, oz] = [self.origin[x], self.origin[y], self.origin[z]];
+        let [sx, sy, _] = self.shear;
+        let [a, b, c] = &pack.vertices;
+        let (mut u, mut v, mut w) = ([0.0f32; LANES], [0.0f32; LANES], [0.0f32; LANES]);
+        let mut hit = [0u8; LANES];
+        for i in 0..LANES {
+            let (az, bz, cz) = (a[z][i] - oz, b[z][i] - oz, c[z][i] - oz);
+            let (ax, ay) = ((a[x][i] - ox) - sx * az, (a[y][i] - oy) - sy * az);
+            let (bx, by) = ((b[x][i] - ox) - sx * bz, (b[y][i] - oy) - sy * bz);
+            let (cx, cy) = ((c[x][i] - ox) - sx * cz, (c[y][i] - oy) - sy * cz);
+            // [Woop et al. 2013, sec. 3.2]
+            u[i] = cx * by - cy * bx;
+            v[i] = ax * cy - ay * cx;
+            w[i] = bx * ay - by * ax;
+            let least = min(u[i], min(v[i], w[i]));
+            let most = max(u[i], max(v[i], w[i]));
+            hit[i] = u8::from((least >= 0.0) | (most <= 0.0));
+        }
+        (Edges { u, v, w }, u32::from_le_bytes(hit))
+    }
+
+    /// Decides about one of the triangles that [`Prepared::edges`] leaves: (t, u, v) of a hit in (0, t_max).
+    #[inline(always)]
+    pub fn decide(&self, pack: &Pack, edges: &Edges, lane: usize) -> Option<(f32, f32, f32)> {
+        let (mut u, mut v, mut w) = (edges.u[lane], edges.v[lane], edges.w[lane]);
+        if u == 0.0 || v == 0.0 || w == 0.0 {
+            [u, v, w] = self.exact_edges(pack, lane);
+            if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+                return None;
+            }
+        }
+        let determinant = u + v + w;
+        // Zero: the line lies in the triangle's plane. Not a number: a lane not used.
+        if !(determinant != 0.0) || determinant.is_nan() {
+            return None;
+        }
+        let z = self.axes[2];
+        let [a, b, c] = pack.vertices.map(|p| (p[z][lane] - self.origin[z]) * self.shear[2]);
+        let inverse = 1.0 / determinant;
+        let (u, v, w) = (u * inverse, v * inverse, w * inverse);
+        let t = u * a + v * b + w * c;
+        let least = min(a, min(b, c));
+        let most = max(a, max(b, c));
+        // `t` is a mean of the vertices' distances: between those there is no doubt on which side of either end it lies.
+        let t = if least > 0.0 && most * STRETCH < self.t_max { t } else { self.exact_t(pack, lane, most)? };
+        (t > 0.0 && t < self.t_max).then_some((t, v, w))
+    }
+
+    /// The edge functions' signs without rounding: products of two floats are exact in double precision, and so is the
+    /// sign of their difference. [Woop et al. 2013, sec. 3.2]
+    #[cold]
+    fn exact_edges(&self, pack: &Pack, lane: usize) -> [f32; 3] {
+        let [x, y, z] = self.axes;
+        let [[ax, ay], [bx, by], [cx, cy]] = pack.vertices.map(|p| {
+            let depth = p[z][lane] - self.origin[z];
+            [x, y].map(|k| {
+                let shear = if k == x { self.shear[0] } else { self.shear[1] };
+                f64::from((p[k][lane] - self.origin[k]) - shear * depth)
+            })
+        });
+        [(cx * by - cy * bx) as f32, (ax * cy - ay * cx) as f32, (bx * ay - by * ax) as f32]
+    }
+
+    /// Where the ray meets the triangle's plane, in double precision: for rays that leave or end near the plane, where
+    /// the sign of `t`, or of `t_max - t`, must be right. `None` outside (0, t_max).
+    #[inline(never)]
+    fn exact_t(&self, pack: &Pack, lane: usize, most: f32) -> Option<f32> {
+        let [a, b, c] = pack.triangle(lane).map(Vec3::as_dvec3);
+        let n = (b - a).cross(c - a);
+        let t = n.dot(a - Vec3::from_array(self.origin).as_dvec3()) / n.dot(self.direction.as_dvec3());
+        if !(t > 0.0 && t < f64::from(self.t_max)) {
+            return None;
+        }
+        // Seen edge-on, the plane may be met far from the triangle, whose edges the rounded test finds around the ray.
+        let t = min(t as f32, most);
+        // What rounding to single precision moved onto an end goes back inside.
+        let end = self.t_max.next_down();
+        Some(if t > end { end } else { t })
+    }
+}
+
+/// The edge functions of a pack, scaled barycentric coordinates of its triangles' vertices.
+pub(in crate::geometry) struct Edges {
+    u: [f32; LANES],
+    v: [f32; LANES],
+    w: [f32; LANES],
+}
+
+/// The larger of the two; `b` if either is not a number. One instruction, unlike [`f32::max`].
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of the two; `b` if either is not a number.
+#[inline(always)]
+fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}

@@ -1,0 +1,91 @@
+//! The binary tree that the wide hierarchy is collapsed from.
+
+use super::Reference;
+use glam::Vec3;
+use obvhs::{
+    aabb::Aabb,
+    ploc::{PlocBuilder, PlocSearchDistance, SortPrecision},
+};
+
+/// A node of the binary tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Binary {
+    pub lo: Vec3,
+    pub hi: Vec3,
+    /// Of an inner node: its first child, the second follows. Of a leaf: the reference.
+    pub first: u32,
+    /// References below; 1 for a leaf.
+    pub count: u32,
+}
+
+/// Builds the tree by parallel locally-ordered clustering. [Meister and Bittner 2018] The root is the first node, children
+/// come after their parents.
+///
+/// Clustering only decides who is next to whom; boxes are those of the references, in their own scale.
+pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
+    let boxes = shaken(references);
+    let indices = (0..references.len() as u32).collect();
+    let tree = PlocBuilder::with_capacity(boxes.len()).build(
+        PlocSearchDistance::Medium,
+        &boxes,
+        indices,
+        SortPrecision::U64,
+        0,
+    );
+    let mut nodes: Vec<Binary> = tree
+        .nodes
+        .iter()
+        .map(|n| Binary {
+            lo: Vec3::ZERO,
+            hi: Vec3::ZERO,
+            first: if n.is_leaf() { tree.primitive_indices[n.first_index as usize] } else { n.first_index },
+            count: n.prim_count,
+        })
+        .collect();
+    for i in (0..nodes.len()).rev() {
+        let node = nodes[i];
+        nodes[i] = if node.count == 1 {
+            let reference = &references[node.first as usize];
+            Binary { lo: reference.lo, hi: reference.hi, ..node }
+        } else {
+            let (a, b) = (nodes[node.first as usize], nodes[node.first as usize + 1]);
+            Binary { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi), first: node.first, count: a.count + b.count }
+        };
+    }
+    nodes
+}
+
+/// The boxes in the unit cube, each moved by a small part of its own size.
+///
+/// In the unit cube, areas neither overflow nor vanish. The shaking breaks ties: clustering merges neighbours that each
+/// are the other's best, and resolves ties to the later one, so among equal boxes, or in a row of equidistant ones, all
+/// would point ahead and only the last two agree, in each of as many rounds as there are boxes.
+fn shaken(references: &[Reference]) -> Vec<Aabb> {
+    let (lo, hi) =
+        references.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), r| (lo.min(r.lo), hi.max(r.hi)));
+    // In double precision, as enormous extents overflow.
+    let (lo, hi) = (lo.as_dvec3(), hi.as_dvec3());
+    let extent = (hi - lo).max_element();
+    let scale = if extent > 0.0 { extent.recip() } else { 0.0 };
+    references
+        .iter()
+        .enumerate()
+        .map(|(i, r)| {
+            let (a, b) = ((r.lo.as_dvec3() - lo) * scale, (r.hi.as_dvec3() - lo) * scale);
+            // The second term: some units in the last place of the unit cube's coordinates.
+            let size = (b - a).max_element() * 0.01 + 4.0 * f64::from(f32::EPSILON);
+            let shake = noise(i as u64) * size;
+            Aabb::new((a + shake).as_vec3().into(), (b + shake).as_vec3().into())
+        })
+        .collect()
+}
+
+/// Three numbers in [-0.5, 0.5) that depend on `i` alone. [Steele et al. 2014, SplitMix]
+fn noise(i: u64) -> glam::DVec3 {
+    let mut z = (i + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^= z >> 31;
+    let part = |shift: u32| ((z >> shift) & 0x1f_ffff) as f64 / f64::from(1 << 21) - 0.5;
+    glam::DVec3::new(part(0), part(21), part(42))
+}

@@ -1,0 +1,151 @@
+//! Walking the hierarchy.
+
+use super::{Bvh, Child, Prepared, node::WIDTH};
+use crate::geometry::{Hit, NO_INSTANCE};
+
+/// Entries of the stack that a walk keeps in its frame; a deeper hierarchy takes one from the heap.
+const INLINE_STACK: usize = 96;
+
+/// The best hit so far, and how far it is still worth looking.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::geometry) struct Best {
+    hit: Hit,
+    cutoff: f32,
+    found: bool,
+}
+
+impl Best {
+    #[inline(always)]
+    pub fn new(t_max: f32) -> Best {
+        let hit = Hit { t: t_max, u: 0.0, v: 0.0, primitive: 0, instance: NO_INSTANCE };
+        Best { hit, cutoff: Prepared::cutoff(t_max), found: false }
+    }
+
+    /// Takes a hit when it is nearer, or as near with the smaller number: whatever the order of visits, the same one wins.
+    #[inline(always)]
+    pub fn offer(&mut self, hit: Hit) {
+        let best = &self.hit;
+        let wins = hit.t < best.t
+            || self.found && hit.t == best.t && (hit.instance, hit.primitive) < (best.instance, best.primitive);
+        if wins {
+            *self = Best { hit, cutoff: Prepared::cutoff(hit.t), found: true };
+        }
+    }
+
+    #[inline(always)]
+    pub fn found(&self) -> Option<Hit> {
+        self.found.then_some(self.hit)
+    }
+}
+
+impl Bvh {
+    /// Visits what the ray may hit, the near before the far. `ANY`: returns true at the first hit, in no order. `OTHER`: there
+    /// may be leaves that are no triangles; `other` is called for them, and says whether they were hit.
+    #[inline(always)]
+    pub fn walk<const ANY: bool, const OTHER: bool>(
+        &self,
+        ray: &Prepared,
+        instance: u32,
+        best: &mut Best,
+        other: impl FnMut(Child, &mut Best) -> bool,
+    ) -> bool {
+        let Some(root) = self.root else { return false };
+        if self.stack <= INLINE_STACK {
+            self.walk_with::<ANY, OTHER>(&mut [0; INLINE_STACK], root, ray, instance, best, other)
+        } else {
+            self.walk_with::<ANY, OTHER>(&mut vec![0; self.stack], root, ray, instance, best, other)
+        }
+    }
+
+    #[inline(always)]
+    fn walk_with<const ANY: bool, const OTHER: bool>(
+        &self,
+        stack: &mut [u64],
+        root: Child,
+        ray: &Prepared,
+        instance: u32,
+        best: &mut Best,
+        mut other: impl FnMut(Child, &mut Best) -> bool,
+    ) -> bool {
+        let mut top = 0;
+        let mut at = root;
+        loop {
+            if at.is_leaf() {
+                if OTHER && at.is_other() {
+                    if other(at, best) && ANY {
+                        return true;
+                    }
+                } else if self.leaf::<ANY>(at, ray, instance, best) {
+                    return true;
+                }
+            } else {
+                let node = &self.nodes[at.index()];
+                let (enter, mut hits) = ray.boxes(node, best.cutoff);
+                if hits != 0 {
+                    let slot = (hits.trailing_zeros() / 8) as usize % WIDTH;
+                    hits &= hits - 1;
+                    if hits == 0 {
+                        at = node.children[slot];
+                        continue;
+                    }
+                    let bottom = top;
+                    let mut entry = pack(enter[slot], node.children[slot]);
+                    loop {
+                        // Insertion, the nearest on top: few are hit at a time.
+                        let mut i = top;
+                        if !ANY {
+                            while i > bottom && stack[i - 1] < entry {
+                                stack[i] = stack[i - 1];
+                                i -= 1;
+                            }
+                        }
+                        stack[i] = entry;
+                        top += 1;
+                        if hits == 0 {
+                            break;
+                        }
+                        let slot = (hits.trailing_zeros() / 8) as usize % WIDTH;
+                        hits &= hits - 1;
+                        entry = pack(enter[slot], node.children[slot]);
+                    }
+                }
+            }
+            // The next that is not beyond the best hit.
+            loop {
+                if top == 0 {
+                    return false;
+                }
+                top -= 1;
+                let entry = stack[top];
+                if ANY || f32::from_bits((entry >> 32) as u32) <= best.cutoff {
+                    at = Child(entry as u32);
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Tests the triangles of a leaf.
+    #[inline(always)]
+    fn leaf<const ANY: bool>(&self, at: Child, ray: &Prepared, instance: u32, best: &mut Best) -> bool {
+        let triangles = &self.packs[at.index()];
+        let (edges, mut hits) = ray.edges(triangles);
+        while hits != 0 {
+            let lane = (hits.trailing_zeros() / 8) as usize;
+            hits &= hits - 1;
+            if let Some((t, u, v)) = ray.decide(triangles, &edges, lane) {
+                if ANY {
+                    return true;
+                }
+                best.offer(Hit { t, u, v, primitive: triangles.primitives[lane], instance });
+            }
+        }
+        false
+    }
+}
+
+/// A stack entry; entries order as their distances, which are not negative, do.
+#[inline(always)]
+fn pack(enter: f32, child: Child) -> u64 {
+    u64::from(enter.to_bits()) << 32 | u64::from(child.0)
+}

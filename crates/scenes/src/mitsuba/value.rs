@@ -1,0 +1,130 @@
+//! Numbers, vectors and colours as text.
+
+use etendue_core::rgb::Rgb;
+use glam::DVec3;
+
+/// A finite number that single precision can hold.
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let value: f64 = text.parse().map_err(|_| format!("`{}` is not a number", abridged(text)))?;
+    if !value.is_finite() {
+        return Err(format!("`{}` is not finite", abridged(text)));
+    }
+    if !(value as f32).is_finite() {
+        return Err(format!("{value:e} is beyond single precision"));
+    }
+    Ok(value)
+}
+
+/// Numbers between commas or white space, at most `most` of them.
+pub(super) fn numbers(text: &str, most: usize) -> Result<Vec<f64>, String> {
+    let mut all = Vec::new();
+    for part in text.split(|c: char| c == ',' || c.is_whitespace()).filter(|p| !p.is_empty()) {
+        if all.len() == most {
+            return Err(format!("has more than {most} numbers"));
+        }
+        all.push(number(part)?);
+    }
+    Ok(all)
+}
+
+/// Three numbers.
+pub(super) fn vector(text: &str) -> Result<DVec3, String> {
+    match numbers(text, 3)?.as_slice() {
+        &[x, y, z] => Ok(DVec3::new(x, y, z)),
+        other => Err(format!("three numbers are needed, `{}` has {}", abridged(text), other.len())),
+    }
+}
+
+/// A whole number.
+pub(super) fn integer(text: &str) -> Result<i64, String> {
+    text.trim().parse().map_err(|_| format!("`{}` is not a whole number", abridged(text)))
+}
+
+/// `true` or `false`.
+pub(super) fn boolean(text: &str) -> Result<bool, String> {
+    match text.trim() {
+        "true" => Ok(true),
+        "false" => Ok(false),
+        other => Err(format!("`{}` is neither true nor false", abridged(other))),
+    }
+}
+
+/// A colour of one or three components, none negative.
+pub(super) fn colour(text: &str) -> Result<Rgb, String> {
+    let components = match numbers(text, 3)?.as_slice() {
+        &[v] => [v; 3],
+        &[r, g, b] => [r, g, b],
+        other => return Err(format!("a colour has one or three numbers, `{}` has {}", abridged(text), other.len())),
+    };
+    grey_or_colour(components)
+}
+
+/// A colour from its components, none of which may be negative.
+pub(super) fn grey_or_colour(components: [f64; 3]) -> Result<Rgb, String> {
+    match components.iter().find(|c| **c < 0.0) {
+        Some(negative) => Err(format!("a colour has no negative component ({negative})")),
+        None => Ok(Rgb::from(components.map(|c| c as f32))),
+    }
+}
+
+/// At most the first few characters of a text, for a message.
+pub(super) fn abridged(text: &str) -> String {
+    const MOST: usize = 40;
+    if text.chars().count() <= MOST {
+        return text.to_owned();
+    }
+    text.chars().take(MOST).chain("...".chars()).collect()
+}
+
+/// A name in the older style with capitals inside (`toWorld`, `intIOR`), in today's (`to_world`, `int_ior`).
+pub(super) fn snake_case(name: &str) -> String {
+    let mut out = String::with_capacity(name.len() + 4);
+    let mut after_lower = false;
+    for c in name.chars() {
+        if c.is_ascii_uppercase() && after_lower {
+            out.push('_');
+        }
+        after_lower = c.is_ascii_lowercase() || c.is_ascii_digit();
+        out.push(c.to_ascii_lowercase());
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_finite() {
+        assert_eq!(number(" -4.37114e-008 "), Ok(-4.37114e-8));
+        assert_eq!(number("nan").unwrap_err(), "`nan` is not finite");
+        assert_eq!(number("-inf").unwrap_err(), "`-inf` is not finite");
+        assert_eq!(number("1e39").unwrap_err(), "1e39 is beyond single precision");
+        assert_eq!(number("1e999").unwrap_err(), "`1e999` is not finite");
+        assert_eq!(number("1,5").unwrap_err(), "`1,5` is not a number");
+    }
+
+    #[test]
+    fn lists_split_at_commas_and_spaces() {
+        assert_eq!(vector("1, 2,3"), Ok(DVec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(vector("1 2\t3 "), Ok(DVec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(vector("1 2").unwrap_err(), "three numbers are needed, `1 2` has 2");
+        assert_eq!(vector("1 2 3 4").unwrap_err(), "has more than 3 numbers");
+        assert_eq!(colour("0.5"), Ok(Rgb::splat(0.5)));
+        assert_eq!(colour("1 0 -1").unwrap_err(), "a colour has no negative component (-1)");
+    }
+
+    #[test]
+    fn old_names_become_new() {
+        for (old, new) in [
+            ("toWorld", "to_world"),
+            ("intIOR", "int_ior"),
+            ("maxDepth", "max_depth"),
+            ("to_world", "to_world"),
+            ("specularReflectance", "specular_reflectance"),
+        ] {
+            assert_eq!(snake_case(old), new);
+        }
+    }
+}
