@@ -1,1 +1,27 @@
-//! The command line.
+//! Convergence studies, renders, references and reports of the rendering techniques: the commands behind
+//! `cargo xtask`.
+
+#![deny(unsafe_code)]
+
+pub mod check;
+pub mod cli;
+pub mod clock;
+pub mod compare;
+pub mod error;
+pub mod error_map;
+pub mod exr_file;
+pub mod files;
+pub mod film_file;
+pub mod hash;
+pub mod interrupt;
+pub mod job;
+pub mod listing;
+pub mod merge;
+pub mod picture;
+pub mod progress;
+pub mod reference;
+pub mod render;
+pub mod report;
+pub mod samplers;
+pub mod study;
+pub mod techniques;

@@ -1,0 +1,284 @@
+//! The command line's grammar.
+
+use crate::job::{Size, Wish};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// What accuracy costs in time: renders, references, convergence studies and their reports.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, max_term_width = 110)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a convergence study and write its report.
+    Study(StudyArgs),
+    /// Render a scene to an OpenEXR file and a PNG beside it.
+    Render(RenderArgs),
+    /// Add films that were rendered apart, exactly.
+    Merge(MergeArgs),
+    /// Compare an image with a reference.
+    Compare(CompareArgs),
+    /// Make the stored references.
+    Reference(ReferenceArgs),
+    /// List the built-in scenes and their parameters.
+    #[command(after_help = "Examples:\n  cargo xtask scenes\n  cargo xtask scenes --json")]
+    Scenes(ListArgs),
+    /// List the techniques and their knobs.
+    #[command(after_help = "Examples:\n  cargo xtask techniques\n  cargo xtask techniques --json")]
+    Techniques(ListArgs),
+    /// Run what must pass before a change is taken: formatting, lints, documentation, tests.
+    Check(CheckArgs),
+}
+
+/// What every command that loads scenes can be told about the image.
+#[derive(Clone, Debug, Args)]
+pub struct ImageArgs {
+    /// Size in pixels; one number is the longer side, in the scene's own shape
+    #[arg(long, value_name = "WxH|N")]
+    pub size: Option<Size>,
+    /// Longest path, as Mitsuba counts: 1 is emission alone, 2 adds direct light [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub depth: Option<u32>,
+    /// Threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+impl ImageArgs {
+    /// The number of threads.
+    pub fn threads(&self) -> usize {
+        self.threads.map_or_else(crate::clock::default_threads, usize::from)
+    }
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask render cornell --passes 64 --out cornell.exr
+  cargo xtask render many-lights:n=4096 --seconds 10 --size 256x256
+  cargo xtask render scene.xml --passes 4096 --out scene.exr            (Ctrl-C: what is finished is saved)
+  cargo xtask render scene.xml --passes 4096 --out scene.exr --resume   (goes on from there)
+  cargo xtask render cornell --first-pass 32 --passes 32 --out second-half.exr
+
+Beside the OpenEXR file stand a tone-mapped PNG and the film, which `--resume` and `merge` read.")]
+pub struct RenderArgs {
+    /// A built-in scene with its parameters (`many-lights:n=4096`), or a file
+    pub scene: String,
+    /// Technique
+    #[arg(long, default_value = "path", value_name = "NAME")]
+    pub technique: String,
+    #[command(flatten)]
+    /// The image.
+    pub image: ImageArgs,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// Passes in all; each adds one sample a pixel [default: 16]
+    #[arg(long, value_name = "N", conflicts_with = "seconds", value_parser = clap::value_parser!(u32).range(1..))]
+    pub passes: Option<u32>,
+    /// Passes until so many seconds are used, building included, at least one pass
+    #[arg(long, value_name = "S", value_parser = positive_seconds)]
+    pub seconds: Option<f64>,
+    /// First pass, to render an image in parts that `merge` adds
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    pub first_pass: u32,
+    /// Parts of the light: emission, direct, environment, caustic, indirect [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "PART,..")]
+    pub parts: Vec<String>,
+    /// A setting of the technique (`cargo xtask techniques` lists them)
+    #[arg(long = "knob", value_name = "NAME=VALUE")]
+    pub knobs: Vec<String>,
+    /// Random numbers
+    #[arg(long, default_value = "independent", value_name = "NAME")]
+    pub sampler: String,
+    /// The OpenEXR file to write [default: the scene's name, in the current folder]
+    #[arg(long, value_name = "FILE.exr")]
+    pub out: Option<PathBuf>,
+    /// Go on from the film beside the output file; the budget counts what is in it
+    #[arg(long)]
+    pub resume: bool,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl RenderArgs {
+    /// What is wished of the image.
+    pub fn wish(&self) -> Wish {
+        Wish {
+            technique: self.technique.clone(),
+            knobs: self.knobs.clone(),
+            sampler: self.sampler.clone(),
+            parts: self.parts.clone(),
+            size: self.image.size,
+            depth: self.image.depth,
+        }
+    }
+}
+
+/// Arguments of `merge`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask render cornell --first-pass 0 --passes 4 --out a.exr
+  cargo xtask render cornell --first-pass 4 --passes 4 --out b.exr
+  cargo xtask merge whole.exr a.film b.film      (the bits of eight passes in one go)")]
+pub struct MergeArgs {
+    /// The OpenEXR file to write; its PNG and film are written beside it
+    pub out: PathBuf,
+    /// Films of one scene at one size with one technique; no pass of a seed twice
+    #[arg(required = true)]
+    pub films: Vec<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask compare render.exr reference/cornell.exr
+  cargo xtask compare render.exr reference.exr --json
+  cargo xtask compare render.exr reference.exr --mask caustic.png --out error-map.png
+
+relMSE is the mean of (a - b)^2 / (b^2 + 0.01) over pixels and channels; trimmed, the worst 0.1 % of the pixels are left
+out, and the trimmed share is the part of the error that they hold. A channel with a value that is not finite is named,
+the figures are then null, and the exit code is 1.")]
+pub struct CompareArgs {
+    /// The image
+    pub image: PathBuf,
+    /// The reference
+    pub reference: PathBuf,
+    /// Look only where this image of the same size (PNG or OpenEXR) is not black
+    #[arg(long, value_name = "FILE")]
+    pub mask: Option<PathBuf>,
+    /// Write a map of the error, relative to the reference, in false colours
+    #[arg(long, value_name = "FILE.png")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `study`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask study                                             (a quick look, within three minutes)
+  cargo xtask study --scenes cornell,sky --seconds 30 --replicates 8 --out study
+  cargo xtask study --scenes scene.xml --reference truth.exr
+  open study/report.html
+
+Results are kept in OUT as they come. Interrupted and started again with the same arguments, a study goes on where it
+was; cells that differ in scene, technique, knobs, sampler, size, depth, seed, threads or reference are never mixed.")]
+pub struct StudyArgs {
+    /// Scenes, built-in or files
+    #[arg(long, value_delimiter = ',', value_name = "SCENE,..", default_values_t = QUICK_SCENES.map(String::from))]
+    pub scenes: Vec<String>,
+    /// Techniques
+    #[arg(long, value_delimiter = ',', value_name = "NAME,..", default_value = "path")]
+    pub techniques: Vec<String>,
+    /// Time of each cell (a scene with a technique and a seed), building included
+    #[arg(long, default_value_t = 3.0, value_name = "S", value_parser = positive_seconds)]
+    pub seconds: f64,
+    /// Cells with different seeds; the bands in the report are over them
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub replicates: u32,
+    /// The image.
+    #[command(flatten)]
+    pub image: ImageArgs,
+    /// Seed from which those of the replicates are drawn
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// Folder of the results and the report; it is made if it is not there
+    #[arg(long, default_value = "study", value_name = "DIR")]
+    pub out: PathBuf,
+    /// The reference of the one scene that is studied; sets the size unless --size does
+    #[arg(long, value_name = "FILE.exr")]
+    pub reference: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The scenes of a quick study: diffuse light, glossy highlights, a sun in a sky, many lights.
+pub const QUICK_SCENES: [&str; 4] = ["cornell", "veach-mis", "sky", "many-lights"];
+
+/// Arguments of `reference`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask reference                                    (every built-in scene, a minute each)
+  cargo xtask reference --scenes ring,ajar-door --seconds 600
+  cargo xtask reference --scenes cornell --passes 4096 --size 256
+
+Writes SCENE.exr with the mean (R, G, B) and the variance of the mean (variance.R, ..), and an entry in reference.json.")]
+pub struct ReferenceArgs {
+    /// Scenes [default: every built-in one]
+    #[arg(long, value_delimiter = ',', value_name = "SCENE,..")]
+    pub scenes: Vec<String>,
+    /// Time of each scene [default: 60]
+    #[arg(long, value_name = "S", conflicts_with = "passes", value_parser = positive_seconds)]
+    pub seconds: Option<f64>,
+    /// Passes of each scene
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    pub passes: Option<u32>,
+    /// The image.
+    #[command(flatten)]
+    pub image: ImageArgs,
+    /// Seed; a study's own seeds never meet it
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// Folder [default: `reference` in the workspace]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of the lists.
+#[derive(Debug, Args)]
+pub struct ListArgs {
+    /// Print as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  cargo xtask check\n  cargo xtask check --list")]
+pub struct CheckArgs {
+    /// Print the commands and run none
+    #[arg(long)]
+    pub list: bool,
+}
+
+fn positive_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(s) if s > 0.0 && s.is_finite() => Ok(s),
+        _ => Err("not a positive number of seconds".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_grammar_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_has_examples() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            assert!(help.contains(&format!("cargo xtask {}", command.get_name())), "{}", command.get_name());
+        }
+    }
+}

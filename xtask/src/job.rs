@@ -1,0 +1,282 @@
+//! A scene and a technique that are to make an image, and the engine that makes it.
+
+use crate::{
+    clock::{Cost, timed},
+    error::Error,
+    hash::scene_hash,
+    samplers::{self, SamplerInfo},
+    techniques,
+};
+use etendue_core::{
+    film::Film,
+    scene::Scene,
+    statistics::render::RenderStatistics,
+    technique::{Part, Parts, Settings, Technique, TechniqueInfo},
+};
+use etendue_scenes::LoadedScene;
+use glam::UVec2;
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, str::FromStr, sync::Arc};
+
+/// The most pixels of an image: its film holds about 100 bytes for each.
+const MOST_PIXELS: u64 = 1 << 26;
+
+/// A size as it is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// Width and height.
+    Exact(UVec2),
+    /// The longer side; the other follows from the scene's own camera.
+    Longest(u32),
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Size, String> {
+        let number = |t: &str| t.parse::<u32>().map_err(|_| format!("`{text}` is not WIDTHxHEIGHT or a number of pixels"));
+        let (size, shape) = match text.split_once('x') {
+            Some((w, h)) => {
+                let size = UVec2::new(number(w)?, number(h)?);
+                (size, Size::Exact(size))
+            }
+            None => (UVec2::splat(number(text)?), Size::Longest(number(text)?)),
+        };
+        if size.min_element() == 0 {
+            return Err("width and height must be at least 1".into());
+        }
+        let pixels = u64::from(size.x) * u64::from(size.y);
+        if pixels > MOST_PIXELS {
+            return Err(format!("{pixels} pixels are more than the {MOST_PIXELS} that a film may have"));
+        }
+        Ok(shape)
+    }
+}
+
+impl Size {
+    /// As a number of pixels, for a camera of the given resolution.
+    pub fn of(self, camera: UVec2) -> UVec2 {
+        match self {
+            Size::Exact(size) => size,
+            Size::Longest(longest) => {
+                let longer = f64::from(camera.max_element().max(1));
+                let side = |s: u32| ((f64::from(s) * f64::from(longest) / longer).round() as u32).max(1);
+                UVec2::new(side(camera.x), side(camera.y))
+            }
+        }
+    }
+}
+
+/// What an image is of: all that its pixels depend on beside the seed and the passes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImageKey {
+    /// The scene as it was called on the command line; two images of one scene may differ in it.
+    pub scene: String,
+    /// [`scene_hash`].
+    pub scene_hash: String,
+    /// Technique.
+    pub technique: String,
+    /// Its knobs.
+    pub knobs: BTreeMap<String, f64>,
+    /// Sampler.
+    pub sampler: String,
+    /// Parts of the light.
+    pub parts: Vec<String>,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Longest path.
+    pub depth: u32,
+}
+
+impl ImageKey {
+    /// What differs between two images, said with both values; none if they are of the same thing.
+    pub fn difference(&self, other: &ImageKey) -> Option<String> {
+        fn differ<T: PartialEq + std::fmt::Debug>(name: &str, a: &T, b: &T) -> Option<String> {
+            (a != b).then(|| format!("{name} {a:?} and {b:?}"))
+        }
+        differ("scene hash", &self.scene_hash, &other.scene_hash)
+            .map(|d| format!("{d} (scenes `{}` and `{}`)", self.scene, other.scene))
+            .or_else(|| differ("technique", &self.technique, &other.technique))
+            .or_else(|| differ("knobs", &self.knobs, &other.knobs))
+            .or_else(|| differ("sampler", &self.sampler, &other.sampler))
+            .or_else(|| differ("parts", &self.parts, &other.parts))
+            .or_else(|| differ("size", &(self.width, self.height), &(other.width, other.height)))
+            .or_else(|| differ("depth", &self.depth, &other.depth))
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> UVec2 {
+        UVec2::new(self.width, self.height)
+    }
+}
+
+/// What is asked for beside the scene; `None` takes the scene's own.
+#[derive(Clone, Debug)]
+pub struct Wish {
+    /// Technique.
+    pub technique: String,
+    /// Knobs as `name=value`.
+    pub knobs: Vec<String>,
+    /// Sampler.
+    pub sampler: String,
+    /// Names of the parts of the light; empty: all.
+    pub parts: Vec<String>,
+    /// Size.
+    pub size: Option<Size>,
+    /// Longest path.
+    pub depth: Option<u32>,
+}
+
+/// A loaded scene with all that a render of it is told.
+#[derive(Clone)]
+pub struct Job {
+    /// What the image is of.
+    pub key: ImageKey,
+    /// The scene as loaded, at the size of the key.
+    pub scene: LoadedScene,
+    technique: &'static TechniqueInfo,
+    knobs: Vec<f64>,
+    sampler: &'static SamplerInfo,
+    parts: Parts,
+}
+
+impl Job {
+    /// Loads a scene and checks what is wished.
+    pub fn load(spec: &str, wish: &Wish) -> Result<Job, Error> {
+        let technique = techniques::find(&wish.technique)?;
+        let knobs = techniques::knobs(technique, &wish.knobs)?;
+        let sampler = samplers::find(&wish.sampler)?;
+        let parts = parse_parts(&wish.parts)?;
+        if wish.depth == Some(0) {
+            return Err(Error::Input("--depth 0: a path has at least length 1, which is emission alone".into()));
+        }
+        let mut scene = etendue_scenes::load(spec)?;
+        if let (Some(size), Some(camera)) = (wish.size, &mut scene.description.camera) {
+            camera.resolution = size.of(camera.resolution);
+        }
+        let size = scene.description.camera.as_ref().map_or(UVec2::ZERO, |c| c.resolution);
+        let pixels = u64::from(size.x) * u64::from(size.y);
+        if pixels > MOST_PIXELS {
+            return Err(Error::Input(format!("{spec}: its camera has {pixels} pixels; --size takes less")));
+        }
+        let key = ImageKey {
+            scene: spec.to_owned(),
+            scene_hash: scene_hash(&scene),
+            technique: technique.name.to_owned(),
+            knobs: techniques::named_knobs(technique, &knobs),
+            sampler: sampler.name.to_owned(),
+            parts: Part::ALL.into_iter().filter(|p| parts.contains(*p)).map(|p| p.name().to_owned()).collect(),
+            width: size.x,
+            height: size.y,
+            depth: wish.depth.unwrap_or(scene.max_depth),
+        };
+        Ok(Job { key, scene, technique, knobs, sampler, parts })
+    }
+
+    /// Builds the scene and the technique on a pool of threads. Only what building takes is on the clock.
+    pub fn build(&self, threads: usize, planned_passes: u32) -> Result<Engine, Error> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|e| Error::Input(format!("--threads {threads}: {e}")))?;
+        let settings = Settings {
+            max_depth: self.key.depth,
+            roulette_depth: self.scene.roulette_depth,
+            parts: self.parts,
+            sampler: self.sampler.build,
+            planned_passes,
+        };
+        let (built, build) = timed(|| {
+            pool.install(|| {
+                let scene = Arc::new(Scene::new(&self.scene.description)?);
+                Ok::<_, etendue_core::scene::SceneError>((scene.clone(), (self.technique.build)(scene, settings, &self.knobs)))
+            })
+        });
+        let (scene, technique) = built.map_err(|source| Error::Scene { scene: self.key.scene.clone(), source })?;
+        let film = Film::new(self.key.size(), self.scene.filter);
+        Ok(Engine { pool, technique, scene, film, build, passes: Cost::default() })
+    }
+}
+
+/// The set of the named parts; all without a name.
+fn parse_parts(names: &[String]) -> Result<Parts, Error> {
+    if names.is_empty() {
+        return Ok(Parts::ALL);
+    }
+    names.iter().try_fold(Parts::NONE, |parts, name| {
+        let part = Part::ALL.into_iter().find(|p| p.name() == name).ok_or_else(|| {
+            let known = Part::ALL.map(Part::name).join(", ");
+            Error::Input(format!("--parts {name}: there is no such part of the light; there is: {known}"))
+        })?;
+        Ok(parts.with(part))
+    })
+}
+
+/// A technique at work, with its film and its clock.
+pub struct Engine {
+    pool: rayon::ThreadPool,
+    technique: Box<dyn Technique>,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// The passes so far.
+    pub film: Film,
+    /// What building the scene and the technique cost.
+    pub build: Cost,
+    /// What the passes cost so far.
+    pub passes: Cost,
+}
+
+impl Engine {
+    /// Adds a pass to the film, on the clock.
+    pub fn pass(&mut self, seed: u64, pass: u32) {
+        let ((), cost) = timed(|| self.pool.install(|| self.technique.pass(seed, pass, &mut self.film)));
+        self.passes += cost;
+    }
+
+    /// Building and passes.
+    pub fn total(&self) -> Cost {
+        let mut total = self.build;
+        total += self.passes;
+        total
+    }
+
+    /// What the technique counted.
+    pub fn statistics(&self) -> &RenderStatistics {
+        self.technique.statistics()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!("64x32".parse(), Ok(Size::Exact(UVec2::new(64, 32))));
+        assert_eq!("64".parse(), Ok(Size::Longest(64)));
+        assert_eq!(Size::Longest(128).of(UVec2::new(768, 512)), UVec2::new(128, 85));
+        assert_eq!(Size::Longest(4).of(UVec2::new(1, 100)), UVec2::new(1, 4));
+        for bad in ["0x0", "0", "64x", "x", "", "-1x4", "1e3", "4294967296", "99999x99999", "64x64x64"] {
+            assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn keys_say_what_differs() {
+        let wish = Wish {
+            technique: "path".into(),
+            knobs: vec![],
+            sampler: "independent".into(),
+            parts: vec![],
+            size: Some(Size::Longest(8)),
+            depth: None,
+        };
+        let key = Job::load("cornell", &wish).unwrap().key;
+        let renamed = ImageKey { scene: "./cornell".into(), ..key.clone() };
+        assert_eq!(key.difference(&renamed), None);
+        let deeper = ImageKey { depth: key.depth + 1, ..key.clone() };
+        assert!(key.difference(&deeper).unwrap().starts_with("depth"));
+        let direct = Job::load("cornell", &Wish { parts: vec!["direct".into()], ..wish }).unwrap().key;
+        assert!(key.difference(&direct).unwrap().starts_with("parts"));
+    }
+}

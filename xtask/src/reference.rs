@@ -1,0 +1,287 @@
+//! `reference`: ground truth with its own noise stated, and how it is stored.
+
+use crate::{
+    cli::ReferenceArgs,
+    clock::human_seconds,
+    error::Error,
+    exr_file::{ExrFile, picture_of},
+    files,
+    hash::{Fnv, derive_seed},
+    interrupt,
+    job::{Job, Size, Wish},
+    picture::Picture,
+    progress::Progress,
+    render::Budget,
+};
+use etendue_core::rgb::Rgb;
+use serde::{Deserialize, Serialize};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// The longer side of a stored reference, and of a study's images, unless told otherwise.
+pub const DEFAULT_SIZE: Size = Size::Longest(128);
+/// Prefix of the channels that hold the variance of the mean.
+const VARIANCE: &str = "variance.";
+/// Which of the seeds drawn from a seed is the references'; replicates have the small numbers.
+const SEED_INDEX: u64 = u64::MAX;
+/// Seconds a scene when nothing is said.
+const DEFAULT_SECONDS: f64 = 60.0;
+/// Fewest passes from which a variance is told.
+const FEWEST_PASSES: u32 = 2;
+
+/// How a reference was made and how far it can be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceEntry {
+    /// The scene as it was called.
+    pub scene: String,
+    /// Hash of the scene.
+    pub scene_hash: String,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Longest path.
+    pub depth: u32,
+    /// What made it.
+    pub technique: String,
+    /// Passes, each one sample a pixel.
+    pub passes: u32,
+    /// Seed of the passes.
+    pub seed: u64,
+    /// Seconds that it took.
+    pub seconds: f64,
+    /// The revision of this program that made it.
+    pub commit: Option<String>,
+    /// Its own error: what its noise adds to any relMSE, estimated from the scatter of its passes.
+    pub relmse: Option<f64>,
+    /// What to know before trusting it; may be empty.
+    pub note: String,
+}
+
+/// A reference in memory.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The image.
+    pub picture: Picture,
+    /// Variance of each pixel's mean, if known.
+    pub variance: Option<Vec<Rgb>>,
+}
+
+impl Reference {
+    /// Reads an image and, if it has it, its variance.
+    pub fn read(path: &Path) -> Result<Reference, Error> {
+        let file = ExrFile::read(path)?;
+        let picture = picture_of(&file, path)?;
+        if let Some(i) = picture.pixels.iter().position(|p| !p.to_array().iter().all(|v| v.is_finite())) {
+            let (x, y) = (i as u32 % picture.size.x, i as u32 / picture.size.x);
+            let reason = format!("is no reference: pixel ({x}, {y}) is not finite");
+            return Err(Error::Content { path: path.into(), reason });
+        }
+        Ok(Reference { picture, variance: file.layer(VARIANCE) })
+    }
+
+    /// Writes image and variance.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let mut file = ExrFile::of(&self.picture);
+        if let Some(variance) = &self.variance {
+            file.add_layer(VARIANCE, variance.iter().map(|v| v.to_array()));
+        }
+        file.write(path)
+    }
+
+    /// The relMSE that the reference's own noise causes: the mean of variance / (reference² + 0.01).
+    pub fn own_relmse(&self) -> Option<f64> {
+        let variance = self.variance.as_ref()?;
+        let relative = |(v, r): (f32, f32)| f64::from(v) / (f64::from(r).powi(2) + 0.01);
+        let pixel = |(v, p): (&Rgb, &Rgb)| v.to_array().into_iter().zip(p.to_array()).map(relative).sum::<f64>();
+        let sum: f64 = variance.iter().zip(&self.picture.pixels).map(pixel).sum();
+        let mean = sum / (3 * variance.len()) as f64;
+        mean.is_finite().then_some(mean)
+    }
+
+    /// A hash of the image's bits.
+    pub fn hash(&self) -> String {
+        let mut hash = Fnv::default();
+        hash.add(&self.picture.size.x.to_le_bytes());
+        self.picture.pixels.iter().flat_map(|p| p.to_array()).for_each(|v| hash.add(&v.to_le_bytes()));
+        hash.hex()
+    }
+}
+
+/// What is known to be hard for path tracing, by the scene's census.
+fn caution(has_caustics: bool) -> &'static str {
+    if has_caustics {
+        "path tracing finds the caustics of this scene by chance alone and does not converge there; \
+         the stated error is too small where it has not found them yet"
+    } else {
+        ""
+    }
+}
+
+/// Renders a reference; none if Ctrl-C came first.
+pub fn make(job: &Job, threads: usize, seed: u64, budget: Budget) -> Result<Option<(Reference, ReferenceEntry)>, Error> {
+    let seed = derive_seed(seed, SEED_INDEX);
+    let mut engine = job.build(threads, budget.planned())?;
+    let progress = Progress::new(&format!("reference of {}", job.key.scene));
+    let mut passes = 0;
+    while budget.share(passes, engine.total().seconds) < 1.0 || passes < FEWEST_PASSES {
+        if interrupt::asked() {
+            return Ok(None);
+        }
+        engine.pass(seed, passes);
+        passes += 1;
+        let seconds = engine.total().seconds;
+        progress.show(budget.share(passes, seconds), format!("{passes} passes, {}", human_seconds(seconds)));
+    }
+    let variance = engine.film.variance_image().into_iter().map(|v| Rgb::from(v.map(|v| v as f32)));
+    let picture = Picture { size: job.key.size(), pixels: engine.film.mean_image() };
+    let reference = Reference { picture, variance: Some(variance.collect()) };
+    let entry = ReferenceEntry {
+        scene: job.key.scene.clone(),
+        scene_hash: job.key.scene_hash.clone(),
+        width: job.key.width,
+        height: job.key.height,
+        depth: job.key.depth,
+        technique: job.key.technique.clone(),
+        passes,
+        seed,
+        seconds: engine.total().seconds,
+        commit: commit(),
+        relmse: reference.own_relmse(),
+        note: caution(engine.scene.census().has_caustics()).into(),
+    };
+    Ok(Some((reference, entry)))
+}
+
+/// The technique and sampler that make references.
+pub fn wish(size: Option<Size>, depth: Option<u32>) -> Wish {
+    Wish { technique: "path".into(), knobs: vec![], sampler: "independent".into(), parts: vec![], size, depth }
+}
+
+/// The stored references: what there is, by the name of the scene.
+pub struct Store {
+    folder: PathBuf,
+    entries: BTreeMap<String, ReferenceEntry>,
+}
+
+impl Store {
+    /// Opens a folder's list, which may be missing.
+    pub fn open(folder: &Path) -> Result<Store, Error> {
+        let path = folder.join("reference.json");
+        let entries = if path.exists() {
+            let bytes = files::read_whole(&path)?;
+            let reason = |e: serde_json::Error| Error::Content { path: path.clone(), reason: format!("is not valid: {e}") };
+            serde_json::from_slice(&bytes).map_err(reason)?
+        } else {
+            BTreeMap::new()
+        };
+        Ok(Store { folder: folder.into(), entries })
+    }
+
+    /// The workspace's own store.
+    pub fn of_workspace() -> Result<Store, Error> {
+        Store::open(&files::workspace_root().join("reference"))
+    }
+
+    /// The reference of a job's scene at its size and depth, if it is there.
+    pub fn find(&self, job: &Job) -> Result<Option<(Reference, ReferenceEntry)>, Error> {
+        let key = &job.key;
+        let fits = |e: &&ReferenceEntry| {
+            e.scene_hash == key.scene_hash && (e.width, e.height, e.depth) == (key.width, key.height, key.depth)
+        };
+        let Some((name, entry)) = self.entries.iter().find(|(_, e)| fits(e)) else { return Ok(None) };
+        let path = self.folder.join(format!("{name}.exr"));
+        let reference = Reference::read(&path)?;
+        if reference.picture.size != key.size() {
+            return Err(Error::Content { path, reason: "has not the size that reference.json says".into() });
+        }
+        Ok(Some((reference, entry.clone())))
+    }
+
+    /// Stores a reference: the image first, so that the list names no image that is not there.
+    pub fn put(&mut self, name: &str, reference: &Reference, entry: ReferenceEntry) -> Result<(), Error> {
+        reference.write(&self.folder.join(format!("{name}.exr")))?;
+        self.entries.insert(name.to_owned(), entry);
+        let list = files::json(&self.entries) + "\n";
+        files::write_whole(&self.folder.join("reference.json"), |w| std::io::Write::write_all(w, list.as_bytes()))
+    }
+}
+
+/// The command.
+pub fn run(args: &ReferenceArgs) -> Result<(), Error> {
+    let folder = args.out.clone().unwrap_or_else(|| files::workspace_root().join("reference"));
+    std::fs::create_dir_all(&folder).map_err(|source| Error::Write { path: folder.clone(), source })?;
+    let mut store = Store::open(&folder)?;
+    let scenes = match &args.scenes[..] {
+        [] => etendue_scenes::builtins().iter().map(|b| b.name.to_owned()).collect(),
+        given => crate::study::scene_list(given),
+    };
+    let budget = match args.passes {
+        Some(n) => Budget::Passes(n),
+        None => Budget::Seconds(args.seconds.unwrap_or(DEFAULT_SECONDS)),
+    };
+    let wish = wish(Some(args.image.size.unwrap_or(DEFAULT_SIZE)), args.image.depth);
+    let jobs = scenes.iter().map(|s| Job::load(s, &wish)).collect::<Result<Vec<_>, _>>()?;
+    interrupt::listen()?;
+    let mut made = BTreeMap::new();
+    for job in &jobs {
+        let Some((reference, entry)) = make(job, args.image.threads(), args.seed, budget)? else { break };
+        let name = files::plain_name(&job.key.scene);
+        if !args.json {
+            let own = entry.relmse.map_or_else(|| "unknown".into(), |e| format!("{e:.2e}"));
+            let (passes, seconds) = (entry.passes, human_seconds(entry.seconds));
+            files::print(&format!("{name}: {passes} passes in {seconds}, own relMSE {own}"))?;
+        }
+        store.put(&name, &reference, entry.clone())?;
+        made.insert(name, entry);
+    }
+    if made.is_empty() {
+        return Err(Error::Interrupted);
+    }
+    if args.json { files::print_json(&made) } else { Ok(()) }
+}
+
+/// The revision of the workspace, with a mark if something in it was changed since; none without git.
+fn commit() -> Option<String> {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).current_dir(files::workspace_root()).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let head = git(&["rev-parse", "HEAD"])?;
+    let changed = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    Some(if changed.is_empty() { head } else { format!("{head} with changes") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec2;
+
+    #[test]
+    fn own_error_is_relative_variance() {
+        let picture = Picture { size: UVec2::new(2, 1), pixels: vec![Rgb::BLACK, Rgb::WHITE] };
+        let variance = vec![Rgb::splat(0.01), Rgb::splat(1.01)];
+        let reference = Reference { picture, variance: Some(variance) };
+        assert!((reference.own_relmse().unwrap() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn stored_references_are_found_by_hash_size_and_depth() {
+        let folder = tempfile::tempdir().unwrap();
+        let job = Job::load("cornell", &wish(Some(Size::Longest(4)), Some(3))).unwrap();
+        let (reference, entry) = make(&job, 1, 0, Budget::Passes(3)).unwrap().unwrap();
+        assert_eq!(entry.passes, 3);
+        Store::open(folder.path()).unwrap().put("cornell", &reference, entry.clone()).unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let (found, listed) = store.find(&job).unwrap().unwrap();
+        assert_eq!(listed, entry);
+        assert_eq!((found.hash(), found.variance), (reference.hash(), reference.variance));
+        for (size, depth) in [(5, 3), (4, 4)] {
+            let other = Job::load("cornell", &wish(Some(Size::Longest(size)), Some(depth))).unwrap();
+            assert!(store.find(&other).unwrap().is_none());
+        }
+    }
+}

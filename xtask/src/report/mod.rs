@@ -1,0 +1,238 @@
+//! The report of a study: one page that needs nothing else.
+
+pub mod analysis;
+pub mod chart;
+mod images;
+mod page;
+pub mod text;
+
+use crate::{
+    clock::human_seconds,
+    error::Error,
+    exr_file::read_picture,
+    picture::Picture,
+    reference::Reference,
+    study::{
+        references::{References, SceneFacts},
+        results::{Cell, Group, Results},
+    },
+};
+use analysis::{Point, Reach, SlopeFit};
+use serde::Serialize;
+use std::path::Path;
+
+/// The errors whose times are told: relMSE, and the root of it as a percentage.
+pub const TARGETS: [(f64, &str); 3] = [(1e-2, "10 %"), (1e-3, "3 %"), (1e-4, "1 %")];
+
+/// What was run, where.
+pub struct RunFacts {
+    /// The command.
+    pub command: String,
+    /// The processor.
+    pub processor: String,
+    /// Threads.
+    pub threads: usize,
+}
+
+/// A technique on a scene.
+pub struct Series {
+    /// What it is of.
+    pub group: Group,
+    /// Its name in the scene's chart and tables.
+    pub label: String,
+    /// Seconds that a cell was given.
+    pub budget: f64,
+    /// Checkpoints.
+    pub points: Vec<Point>,
+    /// Slope over passes.
+    pub slope: Option<SlopeFit>,
+    /// Times to reach [`TARGETS`].
+    pub reach: [Reach; 3],
+    /// The first replicate's last image, if it is there.
+    pub image: Option<Picture>,
+}
+
+impl Series {
+    /// The last checkpoint; there is one.
+    pub fn end(&self) -> &Point {
+        &self.points[self.points.len() - 1]
+    }
+}
+
+/// A scene at one size and depth with one reference.
+pub struct Section {
+    /// What is known of it.
+    pub facts: SceneFacts,
+    /// The reference.
+    pub reference: Reference,
+    /// Techniques.
+    pub series: Vec<Series>,
+}
+
+/// A line of the summary, for programs and terminals.
+#[derive(Clone, Debug, Serialize)]
+pub struct SummaryRow {
+    scene: String,
+    technique: String,
+    replicates: usize,
+    passes: u32,
+    seconds: f64,
+    relmse: f64,
+    reference_relmse: Option<f64>,
+    slope: Option<f64>,
+    slope_half_width: Option<f64>,
+    seconds_to_reach: [ReachRow; 3],
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ReachRow {
+    relmse: f64,
+    seconds: Option<f64>,
+    kind: &'static str,
+}
+
+/// A page and what it sums up.
+pub struct Report {
+    /// The page.
+    pub html: String,
+    /// The summary.
+    pub summary: Vec<SummaryRow>,
+}
+
+/// Makes the report of all finished cells.
+pub fn build(results: &Results, references: &References, images: &Path, run: &RunFacts) -> Result<Report, Error> {
+    let mut sections: Vec<Section> = Vec::new();
+    for group in results.groups() {
+        let cells = results.of(group);
+        let same = |s: &&mut Section| s.series.iter().any(|o| same_section(&o.group, group));
+        let section = match sections.iter_mut().find(same) {
+            Some(section) => section,
+            None => {
+                let (reference, facts) = references.read(&group.scene_hash, group.depth, &group.reference)?;
+                sections.push(Section { facts, reference, series: Vec::new() });
+                let last = sections.len() - 1;
+                &mut sections[last]
+            }
+        };
+        let series = series(group, &cells, section.facts.own_relmse.unwrap_or(0.0), images);
+        section.series.push(series);
+    }
+    sections.iter_mut().for_each(label);
+    let summary = sections.iter().flat_map(|s| s.series.iter().map(|series| summary_row(s, series))).collect();
+    Ok(Report { html: page::html(&sections, run), summary })
+}
+
+/// Whether two groups belong into one chart: they differ in how the image is made, not in what it should be.
+fn same_section(a: &Group, b: &Group) -> bool {
+    (&a.scene_hash, &a.size, a.depth, &a.reference) == (&b.scene_hash, &b.size, b.depth, &b.reference)
+}
+
+fn series(group: &Group, cells: &[&Cell], noise: f64, images: &Path) -> Series {
+    let points = analysis::points(cells);
+    let slope = analysis::slope_of(cells, noise);
+    let image = read_picture(&images.join(format!("{}.exr", group.file_stem()))).ok();
+    Series {
+        group: group.clone(),
+        label: group.technique.clone(),
+        budget: cells.iter().map(|c| c.end().budget_seconds).fold(0.0, f64::max),
+        reach: TARGETS.map(|(target, _)| analysis::reach(&points, slope, noise, target)),
+        points,
+        slope,
+        image,
+    }
+}
+
+/// Names each series of a section by what tells it from the others.
+fn label(section: &mut Section) {
+    let first = section.series[0].group.clone();
+    let differs = |f: fn(&Group, &Group) -> bool| section.series.iter().any(|s| f(&s.group, &first));
+    let (knobs, sampler) = (differs(|a, b| a.knobs != b.knobs), differs(|a, b| a.sampler != b.sampler));
+    let (seed, threads) = (differs(|a, b| a.seed != b.seed), differs(|a, b| a.threads != b.threads));
+    for s in &mut section.series {
+        let g = &s.group;
+        let mut label = g.technique.clone();
+        if knobs {
+            g.knobs.iter().for_each(|(k, v)| label += &format!(" {k}={v}"));
+        }
+        if sampler {
+            label += &format!(" {}", g.sampler);
+        }
+        if seed {
+            label += &format!(" seed {}", g.seed);
+        }
+        if threads {
+            label += &format!(" {} thread{}", g.threads, if g.threads == 1 { "" } else { "s" });
+        }
+        s.label = label;
+    }
+}
+
+fn summary_row(section: &Section, series: &Series) -> SummaryRow {
+    let end = series.end();
+    let row = |(reach, (relmse, _)): (Reach, (f64, &str))| ReachRow {
+        relmse,
+        seconds: reach.seconds(),
+        kind: match reach {
+            Reach::AtOnce(_) => "at once",
+            Reach::Within(_) => "measured",
+            Reach::Beyond(_) => "extrapolated",
+            Reach::BelowNoise => "below the reference's own error",
+            Reach::Never => "not reached",
+        },
+    };
+    let [a, b, c] = [0, 1, 2].map(|i| row((series.reach[i], TARGETS[i])));
+    SummaryRow {
+        scene: section.facts.scene.clone(),
+        technique: series.label.clone(),
+        replicates: end.replicates,
+        passes: end.passes,
+        seconds: end.seconds,
+        relmse: end.relmse.1,
+        reference_relmse: section.facts.own_relmse,
+        slope: series.slope.map(|s| s.slope),
+        slope_half_width: series.slope.and_then(|s| s.half_width),
+        seconds_to_reach: [a, b, c],
+    }
+}
+
+/// A time to reach as text: `~` marks what is extrapolated, `<` what came with the first checkpoint.
+pub fn reach_text(reach: Reach) -> String {
+    match reach {
+        Reach::AtOnce(s) => format!("< {}", human_seconds(s)),
+        Reach::Within(s) => human_seconds(s),
+        Reach::Beyond(s) => format!("~ {}", human_seconds(s)),
+        Reach::BelowNoise => "below noise".into(),
+        Reach::Never => "not reached".into(),
+    }
+}
+
+impl SummaryRow {
+    /// The head of the columns.
+    pub fn head() -> String {
+        let names = TARGETS.map(|(_, name)| format!("to {name}"));
+        format!(
+            "{:<22} {:<12} {:>10} {:>9} {:>12} {:>12} {:>12}  slope",
+            "scene", "technique", "relMSE", "after", names[0], names[1], names[2]
+        )
+    }
+
+    /// The columns.
+    pub fn text(&self) -> String {
+        let reach = |r: &ReachRow| match (r.seconds, r.kind) {
+            (Some(s), "extrapolated") => format!("~ {}", human_seconds(s)),
+            (Some(s), "at once") => format!("< {}", human_seconds(s)),
+            (Some(s), _) => human_seconds(s),
+            (None, "not reached") => "not reached".into(),
+            (None, _) => "below noise".into(),
+        };
+        let [a, b, c] = [0, 1, 2].map(|i| reach(&self.seconds_to_reach[i]));
+        let slope = match (self.slope, self.slope_half_width) {
+            (Some(s), Some(h)) => format!("{s:.2} ± {h:.2}"),
+            (Some(s), None) => format!("{s:.2}"),
+            (None, _) => "none".into(),
+        };
+        let after = human_seconds(self.seconds);
+        let (scene, technique) = (&self.scene, &self.technique);
+        format!("{scene:<22} {technique:<12} {:>10.2e} {after:>9} {a:>12} {b:>12} {c:>12}  {slope}", self.relmse)
+    }
+}

@@ -1,0 +1,23 @@
+//! The list of samplers: a new one is one line here.
+
+use crate::error::Error;
+use etendue_core::{independent::Independent, sampler::SamplerBuilder};
+
+/// A sampler as it is listed.
+pub struct SamplerInfo {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Makes it.
+    pub build: SamplerBuilder,
+}
+
+/// Every sampler that the command line knows.
+pub static SAMPLERS: &[SamplerInfo] = &[SamplerInfo { name: "independent", build: |seed, _| Box::new(Independent::new(seed)) }];
+
+/// The sampler of a name.
+pub fn find(name: &str) -> Result<&'static SamplerInfo, Error> {
+    SAMPLERS.iter().find(|s| s.name == name).ok_or_else(|| {
+        let known: Vec<&str> = SAMPLERS.iter().map(|s| s.name).collect();
+        Error::Input(format!("there is no sampler `{name}`; there is: {}", known.join(", ")))
+    })
+}
