@@ -12,7 +12,8 @@ pub struct SamplerInfo {
 }
 
 /// Every sampler that the command line knows.
-pub static SAMPLERS: &[SamplerInfo] = &[SamplerInfo { name: "independent", build: |seed, _| Box::new(Independent::new(seed)) }];
+pub static SAMPLERS: &[SamplerInfo] =
+    &[SamplerInfo { name: "independent", build: |seed, _| Box::new(Independent::new(seed)) }];
 
 /// The sampler of a name.
 pub fn find(name: &str) -> Result<&'static SamplerInfo, Error> {

@@ -99,8 +99,14 @@ pub fn svg(chart: &Chart) -> String {
     let shown = |v: f64| v > 0.0 && (y.low..=y.high).contains(&v.log10());
     for (value, name) in chart.targets.iter().filter(|t| shown(t.0)) {
         let at = y.at(*value);
-        put(&mut s, format_args!("<line class=\"target\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"));
-        put(&mut s, format_args!("<text class=\"target\" x=\"{}\" y=\"{:.1}\">{}</text>", right + 6.0, at + 4.0, escape(name)));
+        put(
+            &mut s,
+            format_args!("<line class=\"target\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"),
+        );
+        put(
+            &mut s,
+            format_args!("<text class=\"target\" x=\"{}\" y=\"{:.1}\">{}</text>", right + 6.0, at + 4.0, escape(name)),
+        );
     }
     if let Some(noise) = chart.noise.filter(|n| shown(*n)) {
         let at = y.at(noise);
@@ -129,7 +135,10 @@ fn axes(s: &mut String, x: &Axis, y: &Axis) {
     for v in y.marks() {
         let at = y.at(v);
         put(s, format_args!("<line class=\"grid\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"));
-        put(s, format_args!("<text class=\"tick y\" x=\"{}\" y=\"{:.1}\">{}</text>", left - 8.0, at + 4.0, error_mark(v)));
+        put(
+            s,
+            format_args!("<text class=\"tick y\" x=\"{}\" y=\"{:.1}\">{}</text>", left - 8.0, at + 4.0, error_mark(v)),
+        );
     }
     let (w, h) = (right - left, bottom - top);
     put(s, format_args!("<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/>"));
@@ -153,13 +162,19 @@ fn guide(s: &mut String, chart: &Chart, x: &Axis, y: &Axis) {
     put(s, format_args!("<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>"));
     let (lx, ly) = at(from + 0.06 * (to - from));
     let angle = (y2 - y1).atan2(x2 - x1).to_degrees();
-    put(s, format_args!("<text class=\"guide\" transform=\"translate({lx:.1} {ly:.1}) rotate({angle:.1})\" y=\"-6\">slope −1</text>"));
+    put(
+        s,
+        format_args!(
+            "<text class=\"guide\" transform=\"translate({lx:.1} {ly:.1}) rotate({angle:.1})\" y=\"-6\">slope −1</text>"
+        ),
+    );
 }
 
 fn draw_curve(s: &mut String, index: usize, curve: &Curve, x: &Axis, y: &Axis) {
     let points: Vec<&Point> = curve.points.iter().filter(|p| p.relmse.0 > 0.0).collect();
     put(s, format_args!("<g class=\"curve s{}\">", index % 8));
-    let path = |points: &[(f64, f64)]| points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ");
+    let path =
+        |points: &[(f64, f64)]| points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ");
     let upper = points.iter().map(|p| (x.at(p.seconds), y.at(p.relmse.2)));
     let lower = points.iter().rev().map(|p| (x.at(p.seconds), y.at(p.relmse.0)));
     put(s, format_args!("<polygon class=\"band\" points=\"{}\"/>", path(&upper.chain(lower).collect::<Vec<_>>())));
@@ -176,7 +191,10 @@ fn draw_curve(s: &mut String, index: usize, curve: &Curve, x: &Axis, y: &Axis) {
             number(p.relmse.2),
             p.replicates
         );
-        put(s, format_args!("<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3.5\"><title>{}</title></circle>", escape(&tip)));
+        put(
+            s,
+            format_args!("<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3.5\"><title>{}</title></circle>", escape(&tip)),
+        );
     }
     s.push_str("</g>");
 }

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     bsdf::{ConductorFresnel, Roughness},
+    lights::Lights,
     material::Material,
     rgb::Rgb,
     texture::Texture,
@@ -46,6 +47,11 @@ pub(super) fn check(scene: &SceneDescription) -> Result<(), SceneError> {
         environment.check().map_err(|e| item(Kind::Environment, &scene.name)(Problem::Other(e)))?;
     }
     let elements: usize = scene.objects.iter().chain(scene.groups.iter().flat_map(|g| &g.objects)).map(elements).sum();
+    let emitting: usize =
+        scene.objects.iter().filter(|o| o.emission.is_some_and(|e| !e.is_black())).map(elements).sum();
+    if emitting + scene.lights.len() >= Lights::LIMIT {
+        return Err(item(Kind::Object, &scene.name)(Problem::TooMany(emitting)));
+    }
     // One bit is left for the hierarchy to tell leaves from nodes.
     if elements >= 1 << 31 {
         return Err(item(Kind::Object, &scene.name)(Problem::TooMany(elements)));
