@@ -12,7 +12,7 @@ use etendue_core::{
 };
 
 /// Cells along each side of a chart.
-const CELLS: usize = 16;
+const CELLS: usize = 12;
 const SAMPLES: usize = 100_000;
 
 /// For each case: sampled directions follow `pdf_w` (chi-square), it integrates to the probability of scattering at
