@@ -97,7 +97,7 @@ fn visible_slope(cos: f32, sin: f32, u: f32) -> f32 {
     };
     let (mut low, mut high) = (-STEEPEST, (cos / sin).min(STEEPEST));
     let goal = u.max(HALF_STEP) * cumulated(high).0;
-    // Newton's method, kept inside a shrinking bracket; the start is exact for light along the normal.
+    // Halley's method, kept inside a shrinking bracket; the start is exact for light along the normal.
     let mut x = inverse_cdf(u.max(HALF_STEP) * 0.5 * one_plus_erf(high).0);
     for _ in 0..16 {
         if !(x > low && x < high) {
@@ -110,9 +110,14 @@ fn visible_slope(cos: f32, sin: f32, u: f32) -> f32 {
         } else {
             low = x;
         }
-        let step = error / (FRAC_2_SQRT_PI * exp * (cos - x * sin));
+        // Newton's step, and the second derivative over the first.
+        let visible = cos - x * sin;
+        let step = error / (FRAC_2_SQRT_PI * exp * visible);
+        let bend = -2.0 * x - sin / visible;
+        let step = step / (1.0 - 0.5 * step * bend);
         x -= step;
-        if step.abs() < 1e-6 {
+        // The next step would be about as large as the cube of this one, in units of the distance to the steepest slope.
+        if step.abs() * sin.max(visible) < 2e-3 * visible {
             break;
         }
     }

@@ -22,7 +22,7 @@ pub struct Uniform(Pcg32);
 
 impl Uniform {
     pub(crate) fn new(seed: u64) -> Uniform {
-        Uniform(Pcg32::new(seed, 0xa02b_dbf7_bb3c_0a7))
+        Uniform(Pcg32::new(seed, 0x0a02_bdbf_7bb3_c0a7))
     }
 
     pub(crate) fn one(&mut self) -> f32 {
