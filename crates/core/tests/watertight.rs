@@ -10,7 +10,8 @@ use rand_pcg::Pcg64Mcg;
 use std::collections::HashMap;
 
 fn cube() -> Mesh {
-    let positions = (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0).collect();
+    let positions =
+        (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0).collect();
     let triangles = vec![
         [0, 2, 1],
         [1, 2, 3],
@@ -134,14 +135,16 @@ fn leaks(mesh: &Mesh, center: Vec3, size: f32, rays: usize, seed: u64) -> (usize
 
 #[test]
 fn closed_meshes_do_not_leak() {
-    let shapes = [("cube", cube(), 150), ("sphere", icosphere(4), 60), ("blob", blob(3, 7), 60), ("large blob", blob(5, 8), 30)];
+    let shapes =
+        [("cube", cube(), 150), ("sphere", icosphere(4), 60), ("blob", blob(3, 7), 60), ("large blob", blob(5, 8), 30)];
     let mut rng = Pcg64Mcg::seed_from_u64(1);
     let mut total = 0;
     for (name, mesh, thousands) in &shapes {
         for scale in [1e-4, 1.0, 1e5f32] {
             for shift in [0.0, 1.0, 1000.0] {
                 let axis_aligned = shift == 1.0;
-                let rotation = if axis_aligned { Quat::IDENTITY } else { Quat::from_axis_angle(on_sphere(&mut rng), 1.0) };
+                let rotation =
+                    if axis_aligned { Quat::IDENTITY } else { Quat::from_axis_angle(on_sphere(&mut rng), 1.0) };
                 let translation = on_sphere(&mut rng) * (scale * shift);
                 let placed = transformed(mesh, rotation, scale, translation);
                 let (rays, leaks) = leaks(&placed, translation, scale, thousands * 1000, 3);
@@ -172,7 +175,10 @@ fn axis_aligned_rays_do_not_miss_flat_boxes() {
                         let hit = geometry.closest::<0>(&Ray::new(origin, direction));
                         assert_eq!(hit.map(|h| h.t), Some(2.0), "{origin} {direction}");
                         let inside = Vec3::ZERO.with_axis(axis, 0.5, origin);
-                        assert!(geometry.occluded::<0>(&Ray { origin: inside, direction, t_max: 2.0 }), "{inside} {direction}");
+                        assert!(
+                            geometry.occluded::<0>(&Ray { origin: inside, direction, t_max: 2.0 }),
+                            "{inside} {direction}"
+                        );
                     }
                 }
             }
