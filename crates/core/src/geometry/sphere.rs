@@ -21,7 +21,7 @@ impl Sphere {
         // [Haines et al. 2019, Ray Tracing Gems ch. 7, eq. 5]
         let perpendicular = f + d * (b / a);
         let discriminant = r * r - perpendicular.length_squared();
-        if !(discriminant >= 0.0) {
+        if discriminant < 0.0 || discriminant.is_nan() {
             return None;
         }
         let root = (a * discriminant).sqrt();

@@ -110,7 +110,7 @@ impl Prepared {
         }
         let determinant = u + v + w;
         // Zero: the line lies in the triangle's plane. Not a number: a lane not used.
-        if !(determinant != 0.0) || determinant.is_nan() {
+        if determinant == 0.0 || determinant.is_nan() {
             return None;
         }
         let z = self.axes[2];
