@@ -8,7 +8,7 @@ use etendue_core::{
     has::{ALL, CURVED, INSTANCES},
     ray::Ray,
 };
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -356,4 +356,32 @@ fn shapes_are_numbered_through_groups() {
         assert!(matches!(geometry.shape(i), Shape::Sphere(_)));
     }
     assert_eq!(geometry.shape_count(), 5);
+}
+
+#[test]
+fn shading_normals_and_tangents_of_meshes() {
+    let mesh = |normals: [Vec3; 3], uvs: Vec<Vec2>| {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        Shape::Mesh(Mesh { positions, normals: normals.to_vec(), uvs, triangles: vec![[0, 1, 2]] })
+    };
+    let look = |shape: Shape| {
+        let geometry = Geometry::build(vec![shape], vec![], vec![]);
+        let ray = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
+        geometry.surface(&ray, &geometry.closest::<0>(&ray).expect("a hit"))
+    };
+    // Interpolated: the mean with weights 1/2, 1/4, 1/4.
+    let tilted = Vec3::new(1.0, 0.0, 1.0);
+    let surface = look(mesh([Vec3::Z, tilted, Vec3::Z], vec![]));
+    assert_eq!((surface.ng, surface.uv), (Vec3::Z, Vec2::splat(0.25)));
+    assert!((surface.ns - Vec3::new(0.25, 0.0, 1.0).normalize()).length() < 1e-6);
+    // Opposed to the face: turned over. Cancelled: the face's.
+    assert_eq!(look(mesh([Vec3::NEG_Z; 3], vec![])).ns, Vec3::Z);
+    assert_eq!(look(mesh([Vec3::X, Vec3::NEG_X, Vec3::NEG_X], vec![])).ns, Vec3::Z);
+    // u grows along y, at half its rate.
+    let uvs = [[0.0, 0.0], [0.0, 1.0], [0.5, 0.0]].map(Vec2::from_array).to_vec();
+    let surface = look(mesh([Vec3::Z; 3], uvs));
+    assert_eq!((surface.dpdu, surface.uv), (Vec3::Y * 2.0, Vec2::new(0.125, 0.25)));
+    // Degenerate texture coordinates: some tangent.
+    let surface = look(mesh([Vec3::Z; 3], vec![Vec2::ONE; 3]));
+    assert!(surface.dpdu.is_finite() && surface.dpdu.length() > 0.5 && surface.dpdu.dot(surface.ng) == 0.0);
 }
