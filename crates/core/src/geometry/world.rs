@@ -179,6 +179,12 @@ impl Geometry {
         self.spaces().map(|s| s.dropped).sum()
     }
 
+    /// The instruction set in use.
+    #[cfg(test)]
+    pub(super) fn simd(&self) -> Simd {
+        self.simd
+    }
+
     fn spaces(&self) -> impl Iterator<Item = &Space> {
         std::iter::once(&self.top).chain(&self.groups)
     }

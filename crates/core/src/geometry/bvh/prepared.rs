@@ -110,7 +110,7 @@ impl Prepared {
         }
         let determinant = u + v + w;
         // Zero: the line lies in the triangle's plane. Not a number: a lane not used.
-        if !(determinant != 0.0) || determinant.is_nan() {
+        if determinant == 0.0 || determinant.is_nan() {
             return None;
         }
         let z = self.axes[2];
@@ -118,10 +118,11 @@ impl Prepared {
         let (o, scale) = (self.origin[z], self.shear[2]);
         let (a, b, c) = ((a[z][lane] - o) * scale, (b[z][lane] - o) * scale, (c[z][lane] - o) * scale);
         let inverse = 1.0 / determinant;
-        let (u, v, w) = (u * inverse, v * inverse, w * inverse);
-        let t = u * a + v * b + w * c;
+        let (v, w) = (v * inverse, w * inverse);
         let least = min(a, min(b, c));
         let most = max(a, max(b, c));
+        // From one vertex on, so that a plane at right angles to the axis has one distance exactly.
+        let t = min(max(a + (v * (b - a) + w * (c - a)), least), most);
         // `t` is a mean of the vertices' distances: between those there is no doubt on which side of either end it lies.
         let t = if least > 0.0 && most * STRETCH < self.t_max { t } else { self.exact_t(pack, lane, most)? };
         (t > 0.0 && t < self.t_max).then_some((t, v, w))

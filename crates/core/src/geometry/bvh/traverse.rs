@@ -1,7 +1,7 @@
 //! Walking the hierarchy.
 
 use super::{Bvh, Child, Prepared, node::WIDTH, prepared::STRETCH};
-use crate::geometry::{Hit, NO_INSTANCE};
+use crate::geometry::{Hit, NO_INSTANCE, dispatch::prefetch};
 
 /// Entries of the stack in the frame of a walk through a flat hierarchy, kept small because it is cleared for each ray.
 const SMALL_STACK: usize = 32;
@@ -93,6 +93,8 @@ impl Bvh {
                         continue;
                     }
                     let bottom = top;
+                    // One of them comes next; by the time the others do, they have arrived.
+                    self.prefetch::<OTHER>(node.children[slot]);
                     let mut entry = pack(enter[slot], node.children[slot]);
                     loop {
                         // Insertion, the nearest on top: few are hit at a time.
@@ -110,6 +112,7 @@ impl Bvh {
                         }
                         let slot = (hits.trailing_zeros() / 8) as usize % WIDTH;
                         hits &= hits - 1;
+                        self.prefetch::<OTHER>(node.children[slot]);
                         entry = pack(enter[slot], node.children[slot]);
                     }
                 }
@@ -126,6 +129,20 @@ impl Bvh {
                     break;
                 }
             }
+        }
+    }
+
+    /// Brings near what a slot refers to.
+    #[inline(always)]
+    fn prefetch<const OTHER: bool>(&self, child: Child) {
+        if !child.is_leaf() {
+            if let Some(node) = self.nodes.get(child.index()) {
+                prefetch(node);
+            }
+        } else if !(OTHER && child.is_other())
+            && let Some(triangles) = self.packs.get(child.index())
+        {
+            prefetch(triangles);
         }
     }
 
