@@ -105,6 +105,16 @@ fn materials_are_shared_and_unused_ones_noted() {
 }
 
 #[test]
+fn shapes_without_an_id_are_named_by_their_line() {
+    let scene = scene(&format!(
+        "\n{SETTINGS}\n\n<shape type=\"cube\"/><shape type=\"disk\" id=\"lid\"/>\n<emitter type=\"point\"/>"
+    ));
+    let names: Vec<_> = scene.description.objects.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["cube in line 4", "lid"]);
+    assert_eq!(scene.description.lights[0].name, "point in line 5");
+}
+
+#[test]
 fn very_smooth_metals_are_noted() {
     let text = "<shape type=\"cube\"><bsdf type=\"roughconductor\" id=\"m\"><float name=\"alpha\" value=\"1e-6\"/></bsdf></shape>";
     let scene = scene(&format!("{SETTINGS}{text}"));
