@@ -24,7 +24,7 @@ use glam::Vec3;
 /// let ray = Ray::new(Vec3::new(0.0, 0.0, 3.0), Vec3::NEG_Z);
 /// let hit = specialise!(geometry.has(), HAS => geometry.closest::<HAS>(&ray)).unwrap();
 /// assert_eq!(hit.t, 2.0);
-/// assert_eq!(geometry.surface(&ray, &hit).ng, Vec3::Z);
+/// assert_eq!(geometry.surface::<0>(&ray, &hit).ng, Vec3::Z);
 /// ```
 #[derive(Debug)]
 pub struct Geometry {
