@@ -123,7 +123,7 @@ proptest! {
             let occluded = etendue_core::specialise!(geometry.has(), HAS => geometry.occluded::<HAS>(&ray));
             prop_assert_eq!(occluded, hit.is_some(), "{:?}", ray);
             if let Some(hit) = hit {
-                let surface = geometry.surface::<{ etendue_core::has::ALL }>(&ray, &hit);
+                let surface = geometry.surface::<{ ALL }>(&ray, &hit);
                 let distance = (surface.p - ray.at(hit.t)).length();
                 prop_assert!(distance < 1e-5 * (1.0 + hit.t), "{distance} {:?}", surface);
                 prop_assert!(surface.ns.dot(surface.ng) >= 0.0 && surface.dpdu.length_squared() > 0.0);
@@ -161,7 +161,7 @@ fn never_meets_itself(shape: impl Fn(&mut Pcg64Mcg, f32, Vec3) -> (Shape, Vec3),
         let origin = aim + unit(&mut rng) * (scale * 10f32.powi(rng.random_range(-1..4)));
         let ray = Ray::new(origin, aim - origin);
         let Some(hit) = geometry.closest::<ALL>(&ray) else { continue };
-        let surface = geometry.surface::<{ etendue_core::has::ALL }>(&ray, &hit);
+        let surface = geometry.surface::<{ ALL }>(&ray, &hit);
         for _ in 0..8 {
             let side = if flat && rng.random() { -surface.ng } else { surface.ng };
             let ray = spawn_ray(&surface, leaving(&mut rng, side));
@@ -219,7 +219,7 @@ fn rays_within_a_sphere_meet_it_once() {
         let geometry = Geometry::build(vec![shape], vec![], vec![]);
         let ray = Ray::new(center + unit(&mut rng) * (0.9 * scale), unit(&mut rng));
         let hit = geometry.closest::<CURVED>(&ray).expect("inside");
-        let surface = geometry.surface::<{ etendue_core::has::ALL }>(&ray, &hit);
+        let surface = geometry.surface::<{ ALL }>(&ray, &hit);
         // On to the far side and not to the same point: the chord has the length that its angle asks for.
         let direction = (surface.ng + unit(&mut rng) * 0.9).normalize();
         let on = spawn_ray(&surface, direction);
@@ -248,7 +248,7 @@ fn tiny_and_huge_spheres_are_met_where_they_are() {
             if height > 1.0001 * r {
                 assert_eq!(hit, None, "radius {radius}, height {height}");
             } else if height < 0.99 * r {
-                let n = geometry.surface::<{ etendue_core::has::ALL }>(&ray, &hit.expect("a hit")).ng;
+                let n = geometry.surface::<{ ALL }>(&ray, &hit.expect("a hit")).ng;
                 let to_line = c.cross(d).cross(d);
                 let expected = (to_line - d * (r * r - height * height).sqrt()) / r;
                 assert!((n.as_dvec3() - expected).length() < 1e-6, "radius {radius}: {n} instead of {expected}");
@@ -309,7 +309,7 @@ fn triangles_without_area_are_dropped_and_counted() {
     assert_eq!((geometry.triangle_count(), geometry.primitive_count()), (5, 5));
     let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z);
     let hit = geometry.closest::<0>(&ray).expect("a hit");
-    assert_eq!((hit.primitive, geometry.surface::<{ etendue_core::has::ALL }>(&ray, &hit).element), (2, 2));
+    assert_eq!((hit.primitive, geometry.surface::<{ ALL }>(&ray, &hit).element), (2, 2));
     assert_eq!(geometry.triangle(0, 2), good);
 }
 
@@ -348,7 +348,7 @@ fn shapes_are_numbered_through_groups() {
     let at = |x: f32, y: f32| {
         let ray = Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z);
         let hit = geometry.closest::<ALL>(&ray).expect("a hit");
-        (hit.instance, geometry.surface::<{ etendue_core::has::ALL }>(&ray, &hit).shape)
+        (hit.instance, geometry.surface::<{ ALL }>(&ray, &hit).shape)
     };
     assert_eq!([at(0.0, 0.0), at(1.0, 0.0)], [(NO_INSTANCE, 0), (NO_INSTANCE, 1)]);
     assert_eq!([at(0.0, 3.0), at(1.0, 3.0), at(0.0, 5.0)], [(0, 3), (0, 4), (1, 2)]);
@@ -367,7 +367,7 @@ fn shading_normals_and_tangents_of_meshes() {
     let look = |shape: Shape| {
         let geometry = Geometry::build(vec![shape], vec![], vec![]);
         let ray = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
-        geometry.surface::<{ etendue_core::has::ALL }>(&ray, &geometry.closest::<0>(&ray).expect("a hit"))
+        geometry.surface::<{ ALL }>(&ray, &geometry.closest::<0>(&ray).expect("a hit"))
     };
     // Interpolated: the mean with weights 1/2, 1/4, 1/4.
     let tilted = Vec3::new(1.0, 0.0, 1.0);

@@ -15,6 +15,7 @@ pub use area::{AreaLight, AreaShape};
 pub use emission::{EmissionDensity, EmissionSample};
 
 use crate::{distribution::AliasTable, rgb::Rgb, scene::DeltaLight};
+use area::Emitter;
 use delta::Delta;
 use environment::Environment;
 use glam::{Vec2, Vec3};
@@ -43,7 +44,7 @@ pub enum LightChoice {
 /// All the lights of a scene.
 #[derive(Clone, Debug)]
 pub struct Lights {
-    area: Vec<AreaLight>,
+    area: Vec<Emitter>,
     delta: Vec<Delta>,
     sky: Option<Sky>,
     /// Over the elements; `None` when nothing emits.
@@ -94,10 +95,11 @@ impl Lights {
         world: BoundingSphere,
         choice: LightChoice,
     ) -> Lights {
+        let area: Vec<Emitter> = area.into_iter().map(Emitter::from).collect();
         let delta: Vec<Delta> = delta.iter().map(Delta::from).collect();
         let sky = environment.as_ref().map(Sky::new);
         let disk = PI * f64::from(world.radius).powi(2);
-        let flux = (area.iter().map(AreaLight::flux))
+        let flux = (area.iter().map(Emitter::flux))
             .chain(delta.iter().map(|light| light.flux(world.radius)))
             .chain(sky.iter().map(|sky| disk * sky.integral()));
         let weights: Vec<f64> = flux
@@ -152,7 +154,7 @@ impl Lights {
         let choice = self.choice_probability(element);
         let sample = match self.element(element) {
             Element::Area(light) => {
-                let d = light.shape.sample_direction(from, u)?;
+                let d = light.sample_direction(from, u)?;
                 DirectSample {
                     wi: d.wi,
                     radiance: light.radiance,
@@ -167,9 +169,8 @@ impl Lights {
             }
             Element::Delta(light) => self.delta_direct(light, from, choice, element)?,
             Element::Sky(sky) => {
-                let wi = sky.sample(u)?;
-                let (radiance, pdf) = sky.radiance_and_pdf(wi);
-                self.infinite_direct(from, wi, radiance, choice * pdf, element)
+                let sample = sky.sample(u)?;
+                self.infinite_direct(from, sample.direction, sample.radiance, choice * sample.pdf_w, element)
             }
         };
         (sample.pdf_w > 0.0 && sample.pdf_w.is_finite() && sample.radiance.is_valid()).then_some(sample)
@@ -226,7 +227,7 @@ impl Lights {
     /// technique found to hit the area element `element` at `p`, where its geometric normal is `ng`.
     #[inline]
     pub fn pdf_direct(&self, element: u32, from: Vec3, p: Vec3, ng: Vec3, wi: Vec3) -> f32 {
-        let pdf = self.choice_probability(element) * self.area[element as usize].shape.direction_pdf(from, p, ng, wi);
+        let pdf = self.choice_probability(element) * self.area[element as usize].direction_pdf(from, p, ng, wi);
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
@@ -252,7 +253,7 @@ impl Lights {
 
     /// Bytes held, an environment's image included.
     pub fn memory_bytes(&self) -> u64 {
-        (self.area.capacity() * size_of::<AreaLight>() + self.delta.capacity() * size_of::<Delta>()) as u64
+        (self.area.capacity() * size_of::<Emitter>() + self.delta.capacity() * size_of::<Delta>()) as u64
             + self.choice.as_ref().map_or(0, AliasTable::memory_bytes)
             + self.sky.as_ref().map_or(0, Sky::memory_bytes)
     }
@@ -281,14 +282,7 @@ impl Lights {
 }
 
 enum Element<'a> {
-    Area(&'a AreaLight),
+    Area(&'a Emitter),
     Delta(&'a Delta),
     Sky(&'a Sky),
-}
-
-impl AreaLight {
-    /// Flux in watts, by luminance.
-    fn flux(&self) -> f64 {
-        PI * f64::from(self.shape.area()) * f64::from(self.radiance.luminance())
-    }
 }
