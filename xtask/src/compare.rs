@@ -1,12 +1,7 @@
 //! `compare`: the error of an image against a reference.
 
 use crate::{
-    cli::CompareArgs,
-    error::Error,
-    error_map::error_map_png,
-    exr_file::read_picture,
-    files,
-    picture::Picture,
+    cli::CompareArgs, error::Error, error_map::error_map_png, exr_file::read_picture, files, picture::Picture,
 };
 use etendue_core::{rgb::Rgb, statistics::image_error::ImageError};
 use serde::Serialize;
@@ -50,7 +45,8 @@ pub fn run(args: &CompareArgs) -> Result<(), Error> {
     same_size(&image, &args.image, &reference, &args.reference)?;
     let mask = args.mask.as_ref().map(|path| read_mask(path, &reference, &args.reference)).transpose()?;
     let inside = |i: usize| mask.as_ref().is_none_or(|m| m[i]);
-    let masked = |p: &Picture| -> Vec<Rgb> { (0..p.pixels.len()).filter(|i| inside(*i)).map(|i| p.pixels[i]).collect() };
+    let masked =
+        |p: &Picture| -> Vec<Rgb> { (0..p.pixels.len()).filter(|i| inside(*i)).map(|i| p.pixels[i]).collect() };
     let (a, b) = (masked(&image), masked(&reference));
     if a.is_empty() {
         return Err(Error::Input("the mask is black everywhere: no pixel is left to compare".into()));
@@ -148,7 +144,8 @@ pub fn same_size(a: &Picture, a_path: &Path, b: &Picture, b_path: &Path) -> Resu
     if a.size == b.size {
         return Ok(());
     }
-    let reason = format!("has {}x{} pixels, but {} has {}x{}", a.size.x, a.size.y, b_path.display(), b.size.x, b.size.y);
+    let reason =
+        format!("has {}x{} pixels, but {} has {}x{}", a.size.x, a.size.y, b_path.display(), b.size.x, b.size.y);
     Err(Error::Content { path: a_path.into(), reason })
 }
 
@@ -159,7 +156,8 @@ fn read_mask(path: &Path, reference: &Picture, reference_path: &Path) -> Result<
     } else {
         let bytes = files::read_whole(path)?;
         let image = image::load_from_memory(&bytes);
-        let image = image.map_err(|e| Error::Content { path: path.into(), reason: format!("as a mask: {e}") })?.into_rgb8();
+        let image =
+            image.map_err(|e| Error::Content { path: path.into(), reason: format!("as a mask: {e}") })?.into_rgb8();
         let pixels = image.pixels().map(|p| Rgb::from(p.0.map(f32::from))).collect();
         Picture { size: image.dimensions().into(), pixels }
     };

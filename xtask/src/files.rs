@@ -34,7 +34,10 @@ pub fn check_output(path: &Path) -> Result<(), Error> {
 
 /// Writes a file under a temporary name in its own folder, then renames it: a reader, or a full disk, never finds or
 /// leaves half of it.
-pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<&mut fs::File>) -> io::Result<()>) -> Result<(), Error> {
+pub fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut fs::File>) -> io::Result<()>,
+) -> Result<(), Error> {
     let attempt = || -> io::Result<()> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".etendue-").suffix(".tmp");
@@ -65,7 +68,9 @@ pub fn read_whole(path: &Path) -> Result<Vec<u8>, Error> {
 pub fn print(text: &str) -> Result<(), Error> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::Write { path: "standard output".into(), source: e }),
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::Write { path: "standard output".into(), source: e })
+        }
         _ => Ok(()),
     }
 }

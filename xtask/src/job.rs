@@ -34,7 +34,8 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Size, String> {
-        let number = |t: &str| t.parse::<u32>().map_err(|_| format!("`{text}` is not WIDTHxHEIGHT or a number of pixels"));
+        let number =
+            |t: &str| t.parse::<u32>().map_err(|_| format!("`{text}` is not WIDTHxHEIGHT or a number of pixels"));
         let (size, shape) = match text.split_once('x') {
             Some((w, h)) => {
                 let size = UVec2::new(number(w)?, number(h)?);
@@ -189,7 +190,10 @@ impl Job {
         let (built, build) = timed(|| {
             pool.install(|| {
                 let scene = Arc::new(Scene::new(&self.scene.description)?);
-                Ok::<_, etendue_core::scene::SceneError>((scene.clone(), (self.technique.build)(scene, settings, &self.knobs)))
+                Ok::<_, etendue_core::scene::SceneError>((
+                    scene.clone(),
+                    (self.technique.build)(scene, settings, &self.knobs),
+                ))
             })
         });
         let (scene, technique) = built.map_err(|source| Error::Scene { scene: self.key.scene.clone(), source })?;

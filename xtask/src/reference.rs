@@ -111,18 +111,23 @@ impl Reference {
     }
 }
 
-/// What is known to be hard for path tracing, by the scene's census.
+/// What to know of a path-traced reference, by the scene's census.
 fn caution(has_caustics: bool) -> &'static str {
     if has_caustics {
-        "path tracing finds the caustics of this scene by chance alone and does not converge there; \
-         the stated error is too small where it has not found them yet"
+        "things in this scene can cast caustics; path tracing finds those of small lights by chance alone and does not \
+         converge there, and the stated error is too small where it has not found them yet"
     } else {
         ""
     }
 }
 
 /// Renders a reference; none if Ctrl-C came first.
-pub fn make(job: &Job, threads: usize, seed: u64, budget: Budget) -> Result<Option<(Reference, ReferenceEntry)>, Error> {
+pub fn make(
+    job: &Job,
+    threads: usize,
+    seed: u64,
+    budget: Budget,
+) -> Result<Option<(Reference, ReferenceEntry)>, Error> {
     let seed = derive_seed(seed, SEED_INDEX);
     let mut engine = job.build(threads, budget.planned())?;
     let progress = Progress::new(&format!("reference of {}", job.key.scene));
@@ -173,7 +178,8 @@ impl Store {
         let path = folder.join("reference.json");
         let entries = if path.exists() {
             let bytes = files::read_whole(&path)?;
-            let reason = |e: serde_json::Error| Error::Content { path: path.clone(), reason: format!("is not valid: {e}") };
+            let reason =
+                |e: serde_json::Error| Error::Content { path: path.clone(), reason: format!("is not valid: {e}") };
             serde_json::from_slice(&bytes).map_err(reason)?
         } else {
             BTreeMap::new()

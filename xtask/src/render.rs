@@ -90,7 +90,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     if let Budget::Passes(n) = budget
         && args.first_pass.checked_add(n).is_none()
     {
-        return Err(Error::Input(format!("--first-pass {} --passes {n}: passes are numbered in 32 bits", args.first_pass)));
+        return Err(Error::Input(format!(
+            "--first-pass {} --passes {n}: passes are numbered in 32 bits",
+            args.first_pass
+        )));
     }
     let job = Job::load(&args.scene, &args.wish())?;
     let earlier = if args.resume { earlier_film(&out, &job, args)? } else { None };

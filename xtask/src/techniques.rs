@@ -20,7 +20,8 @@ pub fn find(name: &str) -> Result<&'static TechniqueInfo, Error> {
 pub fn knobs(technique: &TechniqueInfo, given: &[String]) -> Result<Vec<f64>, Error> {
     let mut values: Vec<f64> = technique.knobs.iter().map(|k| k.default).collect();
     for text in given {
-        let (name, value) = text.split_once('=').ok_or_else(|| Error::Input(format!("--knob {text}: not `name=value`")))?;
+        let (name, value) =
+            text.split_once('=').ok_or_else(|| Error::Input(format!("--knob {text}: not `name=value`")))?;
         let index = technique.knobs.iter().position(|k| k.name == name).ok_or_else(|| {
             let known: Vec<&str> = technique.knobs.iter().map(|k| k.name).collect();
             let known = if known.is_empty() { "it has none".into() } else { format!("it has: {}", known.join(", ")) };

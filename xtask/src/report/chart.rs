@@ -32,7 +32,7 @@ pub struct Chart<'a> {
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 430.0;
 /// Left, right, top and bottom of the plot.
-const PLOT: (f64, f64, f64, f64) = (66.0, 700.0, 16.0, 382.0);
+const PLOT: (f64, f64, f64, f64) = (82.0, 704.0, 16.0, 382.0);
 
 /// A logarithmic axis: from values to pixels.
 struct Axis {
@@ -87,8 +87,12 @@ fn time_mark(value: f64) -> String {
 pub fn svg(chart: &Chart) -> String {
     let (left, right, top, bottom) = PLOT;
     let all = || chart.curves.iter().flat_map(|c| c.points);
-    let errors = all().flat_map(|p| [p.relmse.0, p.relmse.2]);
-    let (Some(x), Some(y)) = (Axis::of(all().map(|p| p.seconds), left, right), Axis::of(errors, bottom, top)) else {
+    let errors = || all().flat_map(|p| [p.relmse.0, p.relmse.2]).filter(|e| *e > 0.0);
+    // What is less than two decades below the curves is shown with them.
+    let least = errors().fold(f64::INFINITY, f64::min);
+    let marks = chart.targets.iter().map(|t| t.0).chain(chart.noise).filter(|m| (0.01 * least..least).contains(m));
+    let y = Axis::of(errors().chain(marks.filter(|_| least.is_finite())), bottom, top);
+    let (Some(x), Some(y)) = (Axis::of(all().map(|p| p.seconds), left, right), y) else {
         return "<p class=\"none\">No checkpoint has an error above zero: there is nothing to draw.</p>".into();
     };
     let mut s = format!(
@@ -99,8 +103,14 @@ pub fn svg(chart: &Chart) -> String {
     let shown = |v: f64| v > 0.0 && (y.low..=y.high).contains(&v.log10());
     for (value, name) in chart.targets.iter().filter(|t| shown(t.0)) {
         let at = y.at(*value);
-        put(&mut s, format_args!("<line class=\"target\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"));
-        put(&mut s, format_args!("<text class=\"target\" x=\"{}\" y=\"{:.1}\">{}</text>", right + 6.0, at + 4.0, escape(name)));
+        put(
+            &mut s,
+            format_args!("<line class=\"target\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"),
+        );
+        put(
+            &mut s,
+            format_args!("<text class=\"target\" x=\"{}\" y=\"{:.1}\">{}</text>", right + 6.0, at + 4.0, escape(name)),
+        );
     }
     if let Some(noise) = chart.noise.filter(|n| shown(*n)) {
         let at = y.at(noise);
@@ -129,13 +139,16 @@ fn axes(s: &mut String, x: &Axis, y: &Axis) {
     for v in y.marks() {
         let at = y.at(v);
         put(s, format_args!("<line class=\"grid\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"));
-        put(s, format_args!("<text class=\"tick y\" x=\"{}\" y=\"{:.1}\">{}</text>", left - 8.0, at + 4.0, error_mark(v)));
+        put(
+            s,
+            format_args!("<text class=\"tick y\" x=\"{}\" y=\"{:.1}\">{}</text>", left - 8.0, at + 4.0, error_mark(v)),
+        );
     }
     let (w, h) = (right - left, bottom - top);
     put(s, format_args!("<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/>"));
     let (mx, my) = (0.5 * (left + right), 0.5 * (top + bottom));
     put(s, format_args!("<text class=\"axis\" x=\"{mx}\" y=\"{}\">seconds, building included</text>", bottom + 40.0));
-    put(s, format_args!("<text class=\"axis\" transform=\"translate(16 {my}) rotate(-90)\">relMSE</text>"));
+    put(s, format_args!("<text class=\"axis\" transform=\"translate(18 {my}) rotate(-90)\">relMSE</text>"));
 }
 
 /// A line of slope -1 through the first curve's last point: what independent samples promise.
@@ -153,13 +166,19 @@ fn guide(s: &mut String, chart: &Chart, x: &Axis, y: &Axis) {
     put(s, format_args!("<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>"));
     let (lx, ly) = at(from + 0.06 * (to - from));
     let angle = (y2 - y1).atan2(x2 - x1).to_degrees();
-    put(s, format_args!("<text class=\"guide\" transform=\"translate({lx:.1} {ly:.1}) rotate({angle:.1})\" y=\"-6\">slope −1</text>"));
+    put(
+        s,
+        format_args!(
+            "<text class=\"guide\" transform=\"translate({lx:.1} {ly:.1}) rotate({angle:.1})\" y=\"-6\">slope −1</text>"
+        ),
+    );
 }
 
 fn draw_curve(s: &mut String, index: usize, curve: &Curve, x: &Axis, y: &Axis) {
     let points: Vec<&Point> = curve.points.iter().filter(|p| p.relmse.0 > 0.0).collect();
     put(s, format_args!("<g class=\"curve s{}\">", index % 8));
-    let path = |points: &[(f64, f64)]| points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ");
+    let path =
+        |points: &[(f64, f64)]| points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ");
     let upper = points.iter().map(|p| (x.at(p.seconds), y.at(p.relmse.2)));
     let lower = points.iter().rev().map(|p| (x.at(p.seconds), y.at(p.relmse.0)));
     put(s, format_args!("<polygon class=\"band\" points=\"{}\"/>", path(&upper.chain(lower).collect::<Vec<_>>())));
@@ -176,7 +195,10 @@ fn draw_curve(s: &mut String, index: usize, curve: &Curve, x: &Axis, y: &Axis) {
             number(p.relmse.2),
             p.replicates
         );
-        put(s, format_args!("<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3.5\"><title>{}</title></circle>", escape(&tip)));
+        put(
+            s,
+            format_args!("<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3.5\"><title>{}</title></circle>", escape(&tip)),
+        );
     }
     s.push_str("</g>");
 }

@@ -163,7 +163,11 @@ fn lock(out: &Path) -> Result<File, Error> {
 }
 
 /// Finds or makes every scene's reference, once for all techniques.
-fn with_references(args: &StudyArgs, jobs: Vec<Job>, references: &References) -> Result<(Vec<Entry>, Vec<Found>), Error> {
+fn with_references(
+    args: &StudyArgs,
+    jobs: Vec<Job>,
+    references: &References,
+) -> Result<(Vec<Entry>, Vec<Found>), Error> {
     let threads = args.image.threads();
     let want = Want { file: args.reference.as_deref(), cell_seconds: args.seconds, seed: args.seed, threads };
     let (mut found, mut index): (Vec<Found>, HashMap<String, usize>) = Default::default();
@@ -219,7 +223,8 @@ fn keep(results: &mut Results, images: &Path, group: &Group, replicate: u32, fin
     if replicate == 0
         && let Some(pixels) = finished.images.last()
     {
-        let (width, height) = group.size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?))).unwrap_or_default();
+        let (width, height) =
+            group.size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?))).unwrap_or_default();
         let picture = Picture { size: glam::UVec2::new(width, height), pixels: pixels.clone() };
         ExrFile::of(&picture).write(&images.join(format!("{}.exr", group.file_stem())))?;
     }

@@ -157,7 +157,9 @@ impl References {
         let name = facts_name(&facts.scene_hash, facts.depth, &hash);
         reference.write(&self.folder.join(format!("{name}.exr")))?;
         let text = files::json(facts) + "\n";
-        files::write_whole(&self.folder.join(format!("{name}.json")), |w| std::io::Write::write_all(w, text.as_bytes()))?;
+        files::write_whole(&self.folder.join(format!("{name}.json")), |w| {
+            std::io::Write::write_all(w, text.as_bytes())
+        })?;
         Ok(Found { reference, hash })
     }
 

@@ -40,7 +40,10 @@ impl Sums {
         let (squares, values) = rest.split_first_chunk::<8>()?;
         let number = |b: &[u8]| Some(f64::from_le_bytes(*b.first_chunk()?));
         Some(Sums {
-            replicates: replicates.chunks(4).map(|b| Some(u32::from_le_bytes(*b.first_chunk()?))).collect::<Option<_>>()?,
+            replicates: replicates
+                .chunks(4)
+                .map(|b| Some(u32::from_le_bytes(*b.first_chunk()?)))
+                .collect::<Option<_>>()?,
             squares: f64::from_le_bytes(*squares),
             values: values.chunks(8).map(number).collect::<Option<_>>()?,
         })
@@ -101,7 +104,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.sums");
         let value = |i: usize| ((i as f32 * 0.7331).sin() + 1.0) * 2.0;
-        let image = |r: usize| -> Vec<Rgb> { (0..64).map(|i| Rgb::splat(value(i + 64 * r)) * Rgb::new(1.0, 0.5, 2.0)).collect() };
+        let image = |r: usize| -> Vec<Rgb> {
+            (0..64).map(|i| Rgb::splat(value(i + 64 * r)) * Rgb::new(1.0, 0.5, 2.0)).collect()
+        };
         let (images, reference): (Vec<Vec<Rgb>>, _) = ((0..5).map(image).collect(), image(9));
         for (i, image) in images.iter().enumerate() {
             let mut sums = Sums::read(&path);
