@@ -80,8 +80,8 @@ impl ExrFile {
         let channel = |(name, values): (&String, &Vec<f32>)| {
             AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(values.clone()))
         };
-        let mut attributes = LayerAttributes::default();
-        attributes.software_name = Some(Text::from(concat!("etendue ", env!("CARGO_PKG_VERSION"))));
+        let software = Text::from(concat!("etendue ", env!("CARGO_PKG_VERSION")));
+        let mut attributes = LayerAttributes { software_name: Some(software), ..LayerAttributes::default() };
         for (name, value) in &self.attributes {
             let value = match value {
                 Attribute::Text(t) => AttributeValue::Text(Text::from(t.as_str())),
