@@ -21,7 +21,7 @@ fn shines(name: &str, scene: &SceneDescription, depth: u32, expected: f64) {
         let mut means = Moments::default();
         for seed in 0..16 {
             let image = run.film(technique, seed, 0..64).mean_image();
-            means.add(image.iter().map(|c: &Rgb| f64::from(c.g)).sum::<f64>() / image.len() as f64);
+            means.push(image.iter().map(|c: &Rgb| f64::from(c.g)).sum::<f64>() / image.len() as f64);
         }
         // Where there is no noise, single precision leaves a few roundings.
         let error = means.standard_error().hypot(3e-6 * expected);

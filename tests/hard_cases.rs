@@ -48,7 +48,7 @@ fn survives(scene: &SceneDescription) {
 fn has_mean(scene: &SceneDescription, depth: u32, passes: u32, expected: f64) {
     for technique in TECHNIQUES {
         let mut means = Moments::default();
-        images(technique, scene, depth, passes).iter().for_each(|i| means.add(mean(i)));
+        images(technique, scene, depth, passes).iter().for_each(|i| means.push(mean(i)));
         // Where there is no noise, single precision leaves a few roundings.
         let error = means.standard_error().hypot(2e-6 * expected);
         let difference = means.mean() - expected;
@@ -67,8 +67,8 @@ fn same_image(a: &SceneDescription, b: &SceneDescription, passes: u32) {
             let (mut difference, mut value) = (Moments::default(), Moments::default());
             for (x, y) in a_images.iter().zip(&b_images) {
                 let (x, y) = (mean(&x[range.clone()]), mean(&y[range.clone()]));
-                difference.add(x - y);
-                value.add(x);
+                difference.push(x - y);
+                value.push(x);
             }
             let error = difference.standard_error().hypot(2e-5 * value.mean());
             assert!(
@@ -130,7 +130,7 @@ fn single_precision_vertices_far_from_the_origin() {
     for technique in TECHNIQUES {
         let mut difference = Moments::default();
         let (a, b) = (images(technique, &near, 8, 32), images(technique, &far, 8, 32));
-        a.iter().zip(&b).for_each(|(a, b)| difference.add(mean(a) / mean(b) - 1.0));
+        a.iter().zip(&b).for_each(|(a, b)| difference.push(mean(a) / mean(b) - 1.0));
         let error = difference.standard_error().hypot(2e-4);
         assert!(difference.mean().abs() < limit(REPLICATES) * error, "{}: {difference:?}", technique.name);
     }
@@ -336,7 +336,7 @@ fn delta_lights_beside_area_lights() {
         let mut difference = Moments::default();
         let all = [&one, &other, &both].map(|s| images(technique, s, 2, 64));
         for ((a, b), c) in all[0].iter().zip(&all[1]).zip(&all[2]) {
-            difference.add(mean(a) + mean(b) - mean(c));
+            difference.push(mean(a) + mean(b) - mean(c));
         }
         let z = difference.mean() / difference.standard_error();
         assert!(z.abs() < limit(REPLICATES), "{}: {difference:?}", technique.name);

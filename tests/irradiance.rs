@@ -14,7 +14,7 @@ fn shows(name: &str, scene: &SceneDescription, irradiance: f64) {
         for seed in 0..16 {
             let film = run.film(technique, seed, 0..64);
             let image = film.mean_image();
-            means.add(image.iter().map(|c: &Rgb| f64::from(c.g)).sum::<f64>() / image.len() as f64);
+            means.push(image.iter().map(|c: &Rgb| f64::from(c.g)).sum::<f64>() / image.len() as f64);
         }
         let expected = 0.5 / PI * irradiance;
         // Single precision leaves an error of its own, of a few roundings, where there is no noise.
@@ -56,7 +56,7 @@ fn rectangles() {
 #[test]
 fn spheres_from_tiny_to_huge() {
     for (radius, height) in [(1e-4, 1.0), (0.1, 1.0), (0.7, 1.0), (50.0, 51.0), (1e-3, 9.0)] {
-        let radiance = (height / radius).powi(2) as f32;
+        let radiance = (height / radius * (height / radius)) as f32;
         let light = emitting(sphere("light", DVec3::Y * height, radius, 1), radiance);
         let expected = PI * f64::from(radiance) * (radius / height).powi(2);
         shows(&format!("sphere of {radius} at {height}"), &lit_floor(1e-6, vec![light]), expected);
@@ -74,7 +74,7 @@ fn a_sphere_around_the_point() {
 #[test]
 fn disks() {
     for (radius, height) in [(0.4, 1.0), (5.0, 1.0), (1e-4, 2.0)] {
-        let radiance = (height / radius).powi(2) as f32;
+        let radiance = (height / radius * (height / radius)) as f32;
         let to_world = DAffine3::from_scale_rotation_translation(
             DVec3::splat(radius),
             glam::DQuat::from_rotation_x(PI / 2.0),

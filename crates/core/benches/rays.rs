@@ -112,7 +112,7 @@ impl Case {
             .collect();
         let surfaces: Vec<_> = camera
             .iter()
-            .filter_map(|ray| geometry.closest::<0>(ray).map(|hit| (ray, geometry.surface(ray, &hit))))
+            .filter_map(|ray| geometry.closest::<0>(ray).map(|hit| (ray, geometry.surface::<0>(ray, &hit))))
             .collect();
         let light = middle + (hi - lo) * Vec3::new(0.1, 0.49, 0.1);
         let (mut bounce, mut shadow) = (Vec::new(), Vec::new());
@@ -161,7 +161,7 @@ fn rays(c: &mut Criterion) {
         }
         group.bench_function("surface/bounce", |b| {
             let hits: Vec<_> = case.bounce.iter().filter_map(|r| geometry.closest::<0>(r).map(|h| (*r, h))).collect();
-            b.iter(|| hits.iter().map(|(ray, hit)| geometry.surface(ray, black_box(hit)).p.x).sum::<f32>());
+            b.iter(|| hits.iter().map(|(ray, hit)| geometry.surface::<0>(ray, black_box(hit)).p.x).sum::<f32>());
         });
         for (kind, rays) in [("shadow", &case.shadow), ("random", &case.random)] {
             group.bench_function(BenchmarkId::new("occluded", kind), |b| {

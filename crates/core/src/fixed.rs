@@ -93,7 +93,7 @@ impl<const FRACTION: u32, const LIMIT: u32> AtomicFixed<FRACTION, LIMIT> {
         let low = term.0 as u64;
         let high = (term.0 >> 64) as u64;
         // Additions to the low limb have one order, and each carry belongs to exactly one of them; the carries then
-        // commute. No reader looks in between: reading takes `&mut self`, so relaxed order is enough.
+        // commute. Nobody may read in between, so relaxed order is enough.
         let before = self.low.fetch_add(low, Ordering::Relaxed);
         let high = high.wrapping_add(u64::from(before.overflowing_add(low).1));
         if high != 0 {
@@ -101,10 +101,11 @@ impl<const FRACTION: u32, const LIMIT: u32> AtomicFixed<FRACTION, LIMIT> {
         }
     }
 
-    /// The sum of what was added.
+    /// The sum of what was added; meaningless while other threads are adding.
     #[inline]
-    pub fn get(&mut self) -> Fixed<FRACTION, LIMIT> {
-        Fixed(i128::from(*self.high.get_mut() as i64) << 64 | i128::from(*self.low.get_mut()))
+    pub fn get(&self) -> Fixed<FRACTION, LIMIT> {
+        let high = self.high.load(Ordering::Relaxed) as i64;
+        Fixed(i128::from(high) << 64 | i128::from(self.low.load(Ordering::Relaxed)))
     }
 }
 
@@ -155,7 +156,7 @@ mod tests {
     #[test]
     fn threads_agree_with_one_after_another() {
         let terms: Vec<f64> = (0..40_000).map(|i| (f64::from(i) * 0.7331).sin() * 4e9 * 0.5_f64.powi(i % 90)).collect();
-        let mut total = AtomicFixed::<64, 32>::default();
+        let total = AtomicFixed::<64, 32>::default();
         std::thread::scope(|scope| {
             for part in terms.chunks(terms.len() / 4) {
                 let total = &total;
@@ -183,7 +184,7 @@ mod tests {
             prop_assert_eq!(forward, sum(terms.iter().rev().copied()));
             let (a, b) = terms.split_at(cut);
             prop_assert_eq!(forward, sum(b.iter().copied()).checked_add(sum(a.iter().copied())).unwrap());
-            let mut atomic = AtomicFixed::default();
+            let atomic = AtomicFixed::default();
             terms.iter().for_each(|&t| atomic.add(FixedSum::new(t).unwrap()));
             prop_assert_eq!(forward, atomic.get());
         }

@@ -111,6 +111,9 @@ pub struct Knob {
     pub default: f64,
 }
 
+/// Builds a technique for a scene, with a value for each of its knobs.
+pub type TechniqueBuilder = fn(scene: Arc<Scene>, settings: Settings, knobs: &[f64]) -> Box<dyn Technique>;
+
 /// A technique as it is registered.
 pub struct TechniqueInfo {
     /// Name on the command line.
@@ -128,7 +131,7 @@ pub struct TechniqueInfo {
     /// Its own settings.
     pub knobs: &'static [Knob],
     /// Builds it for a scene; `knobs` holds one value for each entry of `knobs`, in order and in range.
-    pub build: fn(scene: Arc<Scene>, settings: Settings, knobs: &[f64]) -> Box<dyn Technique>,
+    pub build: TechniqueBuilder,
 }
 
 /// A technique at work on a scene.

@@ -139,7 +139,12 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             }
             Some(hit) => {
                 let surface = self.scene.surface::<HAS>(&self.ray, &hit);
-                let frame = Frame::from_normal_and_tangent(surface.ns, surface.dpdu);
+                // Lambert reflection looks the same in every frame about the normal.
+                let frame = if HAS & has::LOBES == 0 {
+                    Frame::from_normal(surface.ns)
+                } else {
+                    Frame::from_normal_and_tangent(surface.ns, surface.dpdu)
+                };
                 let wo = -direction;
                 Vertex::Surface(SurfaceVertex {
                     bsdf: self.scene.bsdf::<HAS>(&surface),

@@ -12,29 +12,48 @@ pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 /// Half of the spacing `2^-24` of uniform numbers: what stands for 0 where 0 would fall on the border of a support.
 pub const HALF_STEP: f32 = f32::EPSILON / 4.0;
 
-/// Radius and angle of the concentric map, and one minus the radius.
+/// Sine and cosine of an angle in `[-pi/4, pi/4]`: Taylor's series as far as single precision sees it.
 #[inline]
-fn concentric(u: Vec2) -> (f32, f32, f32) {
-    // [Shirley and Chiu 1997, sec. 2], in the form with one quotient of the two offsets.
+fn small_sin_cos(angle: f32) -> (f32, f32) {
+    let a = angle * angle;
+    let sin = angle * (1.0 + a * (-1.0 / 6.0 + a * (1.0 / 120.0 + a * (-1.0 / 5040.0 + a * (1.0 / 362_880.0)))));
+    let cos = 1.0 + a * (-0.5 + a * (1.0 / 24.0 + a * (-1.0 / 720.0 + a * (1.0 / 40_320.0))));
+    (sin, cos)
+}
+
+/// Sine and cosine of a fraction of a turn in `[0, 1]`; several times faster than reducing an angle in radians.
+#[inline]
+pub fn sin_cos_turn(fraction: f32) -> (f32, f32) {
+    let quarters = 4.0 * fraction;
+    let nearest = (quarters + 0.5) as i32;
+    let (sin, cos) = small_sin_cos(2.0 * FRAC_PI_4 * (quarters - nearest as f32));
+    // Odd quarters swap the two, then each has its sign; random quarters would make branches costly.
+    let difference = (sin.to_bits() ^ cos.to_bits()) & ((nearest & 1) as u32).wrapping_neg();
+    let (sin, cos) = (f32::from_bits(sin.to_bits() ^ difference), f32::from_bits(cos.to_bits() ^ difference));
+    let negate = |x: f32, quarters: i32| f32::from_bits(x.to_bits() ^ (((quarters & 2) as u32) << 30));
+    (negate(sin, nearest), negate(cos, nearest + 1))
+}
+
+/// The concentric map [Shirley and Chiu 1997, sec. 2]: the point, and one minus its distance from the centre.
+#[inline]
+fn concentric(u: Vec2) -> (Vec2, f32) {
+    // The larger offset from the centre is the (signed) radius, its quotient with the other the angle.
     let offset = 2.0 * u - 1.0;
-    if offset.x == 0.0 && offset.y == 0.0 {
-        return (0.0, 0.0, 1.0);
+    let wide = offset.x.abs() > offset.y.abs();
+    let (radius, other, along) = if wide { (offset.x, offset.y, u.x) } else { (offset.y, offset.x, u.y) };
+    if radius == 0.0 {
+        return (Vec2::ZERO, 1.0);
     }
-    let (radius, phi, along) = if offset.x.abs() > offset.y.abs() {
-        (offset.x, FRAC_PI_4 * (offset.y / offset.x), u.x)
-    } else {
-        (offset.y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (offset.x / offset.y), u.y)
-    };
+    let (sin, cos) = small_sin_cos(FRAC_PI_4 * (other / radius));
+    let point = radius * if wide { Vec2::new(cos, sin) } else { Vec2::new(sin, cos) };
     let along = along.max(HALF_STEP);
-    (radius, phi, 2.0 * along.min(1.0 - along))
+    (point, 2.0 * along.min(1.0 - along))
 }
 
 /// A point of the unit disk, uniform by area [Shirley and Chiu 1997].
 #[inline]
 pub fn sample_disk(u: Vec2) -> Vec2 {
-    let (radius, phi, _) = concentric(u);
-    let (sin, cos) = phi.sin_cos();
-    radius * Vec2::new(cos, sin)
+    concentric(u).0
 }
 
 /// Density of [`sample_disk`] per unit area of the unit disk.
@@ -63,10 +82,8 @@ pub fn invert_disk(point: Vec2) -> Vec2 {
 /// A direction around +z with density `cos / pi` per steradian.
 #[inline]
 pub fn sample_cosine_hemisphere(u: Vec2) -> Vec3 {
-    let (radius, phi, one_minus_radius) = concentric(u);
-    let (sin, cos) = phi.sin_cos();
-    let z = (one_minus_radius * (2.0 - one_minus_radius)).sqrt();
-    Vec3::new(radius * cos, radius * sin, z)
+    let (point, one_minus_radius) = concentric(u);
+    point.extend((one_minus_radius * (2.0 - one_minus_radius)).sqrt())
 }
 
 /// Density of [`sample_cosine_hemisphere`] per steradian at a direction with `z = cos`.
@@ -80,12 +97,12 @@ pub fn invert_cosine_hemisphere(w: Vec3) -> Vec2 {
     invert_disk(w.truncate())
 }
 
-/// A direction with distance `1 - z = height` from the pole.
+/// A direction with distance `1 - z = depth` from the pole, `turn` of the way around it.
 #[inline]
-fn at_height(height: f32, phi: f32) -> Vec3 {
-    let (sin, cos) = phi.sin_cos();
-    let radius = (height * (2.0 - height)).max(0.0).sqrt();
-    Vec3::new(radius * cos, radius * sin, 1.0 - height)
+fn below_pole(depth: f32, turn: f32) -> Vec3 {
+    let (sin, cos) = sin_cos_turn(turn);
+    let radius = (depth * (2.0 - depth)).max(0.0).sqrt();
+    Vec3::new(radius * cos, radius * sin, 1.0 - depth)
 }
 
 /// The azimuth of `w` as a fraction of the circle.
@@ -102,7 +119,7 @@ fn unit(u: Vec2) -> Vec2 {
 /// A direction, uniform over the sphere.
 #[inline]
 pub fn sample_sphere(u: Vec2) -> Vec3 {
-    at_height(2.0 * u.x, 2.0 * PI * u.y)
+    below_pole(2.0 * u.x, u.y)
 }
 
 /// Density of [`sample_sphere`] per steradian.
@@ -119,7 +136,7 @@ pub fn invert_sphere(w: Vec3) -> Vec2 {
 /// A direction around +z, uniform over the hemisphere.
 #[inline]
 pub fn sample_hemisphere(u: Vec2) -> Vec3 {
-    at_height(u.x, 2.0 * PI * u.y)
+    below_pole(u.x, u.y)
 }
 
 /// Density of [`sample_hemisphere`] per steradian, for directions with `z > 0`.
@@ -139,7 +156,7 @@ pub fn invert_hemisphere(w: Vec3) -> Vec2 {
 /// for narrow cones: for half angle `a` with known sine it is `sin² / (1 + cos)`.
 #[inline]
 pub fn sample_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
-    at_height(u.x * one_minus_cos, 2.0 * PI * u.y)
+    below_pole(u.x * one_minus_cos, u.y)
 }
 
 /// Density of [`sample_cone`] per steradian, inside the cone.
@@ -204,6 +221,19 @@ mod tests {
             assert!(sample_disk(u).length() <= 1.0 + f32::EPSILON);
             let b = sample_triangle(u);
             assert!(b.min_element() >= 0.0 && (b.element_sum() - 1.0).abs() <= 2.0 * f32::EPSILON, "{u} -> {b}");
+        }
+    }
+
+    #[test]
+    fn turns_match_angles() {
+        for i in 0..=100_000 {
+            let fraction = i as f32 / 100_000.0;
+            let (sin, cos) = sin_cos_turn(fraction);
+            let (exact_sin, exact_cos) = (2.0 * std::f64::consts::PI * f64::from(fraction)).sin_cos();
+            assert!(
+                (f64::from(sin) - exact_sin).abs() < 2e-7 && (f64::from(cos) - exact_cos).abs() < 2e-7,
+                "{fraction}"
+            );
         }
     }
 

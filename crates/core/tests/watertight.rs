@@ -166,7 +166,7 @@ fn axis_aligned_rays_do_not_miss_flat_boxes() {
             for zero in [0.0f32, -0.0] {
                 for i in 0..=16 {
                     for k in 0..=16 {
-                        let mut origin = Vec3::splat(0.0);
+                        let mut origin = Vec3::ZERO;
                         origin[axis] = -3.0 * sign;
                         origin[(axis + 1) % 3] = i as f32 / 8.0 - 1.0;
                         origin[(axis + 2) % 3] = k as f32 / 8.0 - 1.0;
@@ -174,7 +174,8 @@ fn axis_aligned_rays_do_not_miss_flat_boxes() {
                         direction[axis] = sign;
                         let hit = geometry.closest::<0>(&Ray::new(origin, direction));
                         assert_eq!(hit.map(|h| h.t), Some(2.0), "{origin} {direction}");
-                        let inside = Vec3::ZERO.with_axis(axis, 0.5, origin);
+                        let mut inside = origin;
+                        inside[axis] = 0.5;
                         assert!(
                             geometry.occluded::<0>(&Ray { origin: inside, direction, t_max: 2.0 }),
                             "{inside} {direction}"
@@ -183,18 +184,5 @@ fn axis_aligned_rays_do_not_miss_flat_boxes() {
                 }
             }
         }
-    }
-}
-
-/// The point with one coordinate replaced.
-trait WithAxis {
-    fn with_axis(self, axis: usize, value: f32, rest: Vec3) -> Vec3;
-}
-
-impl WithAxis for Vec3 {
-    fn with_axis(self, axis: usize, value: f32, rest: Vec3) -> Vec3 {
-        let mut p = rest;
-        p[axis] = value;
-        p
     }
 }

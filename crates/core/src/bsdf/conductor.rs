@@ -19,9 +19,10 @@ pub(super) fn eval_pdf(fresnel: &ConductorFresnel, roughness: &Roughness, wo: Ve
     }
     let quarter_d = 0.25 * roughness.density(h);
     // f = F G D / (4 cos_o cos_i) [Walter et al. 2007, eq. 20], the cosines inside the masking.
-    let value = quarter_d * roughness.masking_over_cos(wo) * roughness.masking_over_cos(wi);
+    let (masking, visibility) = roughness.masking_and_visibility_over_cos(wo);
+    let value = quarter_d * masking * roughness.masking_over_cos(wi);
     // The density of visible normals times the Jacobian 1 / (4 wo.m) [Heitz and d'Eon 2014, eq. 2 and 17].
-    let pdf_w = quarter_d * roughness.visibility_over_cos(wo);
+    let pdf_w = quarter_d * visibility;
     // Half the length of the half vector is the cosine to it, even where wo and wi nearly cancel.
     (fresnel.reflectance(0.5 * h.length()) * value, pdf_w)
 }

@@ -56,14 +56,15 @@ pub(super) fn sample_smooth(wo: Vec3, eta: f32, u: f32, mode: TransportMode) -> 
 
 /// Value and density of a rough boundary [Walter et al. 2007].
 pub(super) fn eval_pdf(roughness: &Roughness, wo: Vec3, wi: Vec3, eta: f32, mode: TransportMode) -> (f32, f32) {
+    let (masking, visibility) = roughness.masking_and_visibility_over_cos(wo);
     if wi.z > 0.0 {
         let h = microfacet::half_vector(wo, wi);
         if h.z <= 0.0 {
             return (0.0, 0.0);
         }
         let common = 0.25 * roughness.density(h) * fresnel::dielectric(0.5 * h.length(), eta);
-        let value = common * roughness.masking_over_cos(wo) * roughness.masking_over_cos(wi);
-        return (value, common * roughness.visibility_over_cos(wo));
+        let value = common * masking * roughness.masking_over_cos(wi);
+        return (value, common * visibility);
     }
     // [Walter et al. 2007, eq. 16], turned to the upper side.
     let h = wo + eta * wi;
@@ -77,8 +78,8 @@ pub(super) fn eval_pdf(roughness: &Roughness, wo: Vec3, wi: Vec3, eta: f32, mode
     // [Walter et al. 2007, eq. 17 and 21]: |wo.m| |wi.m| eta² / (wo.m + eta wi.m)², whose denominator is |h|².
     let jacobian = (along_o / length2) * (-along_i / length2) * (eta * eta);
     let common = transmittance * roughness.density(h) * jacobian;
-    let value = common * roughness.masking_over_cos(wo) * roughness.masking_over_cos(flip(wi));
-    (value * refraction_scale(mode, eta), common * roughness.visibility_over_cos(wo))
+    let value = common * masking * roughness.masking_over_cos(flip(wi));
+    (value * refraction_scale(mode, eta), common * visibility)
 }
 
 /// A direction by reflection or refraction at a visible microfacet, unless it ends on the wrong side; with the index

@@ -4,8 +4,9 @@
 //! precision for roughness down to 1e-4 and for grazing directions.
 
 use super::{Distribution, Roughness, beckmann};
-use glam::{Vec2, Vec3, Vec3Swizzles};
-use std::f32::consts::{FRAC_1_PI, PI};
+use crate::warp::sin_cos_turn;
+use glam::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles};
+use std::f32::consts::FRAC_1_PI;
 
 /// The half vector `wo + wi` of two directions above the surface, not normalised.
 ///
@@ -28,7 +29,9 @@ pub(super) fn half_vector(wo: Vec3, wi: Vec3) -> Vec3 {
 /// Reflects `wo` at the unit normal `m`.
 #[inline]
 pub(super) fn reflect(wo: Vec3, m: Vec3) -> Vec3 {
-    (m * (2.0 * wo.dot(m)) - wo).normalize()
+    let wi = m * (2.0 * wo.dot(m)) - wo;
+    // The length is 1 but for rounding: one step towards it, which needs no square root.
+    wi * (1.5 - 0.5 * wi.length_squared())
 }
 
 impl Roughness {
@@ -36,23 +39,25 @@ impl Roughness {
     /// the surface.
     #[inline]
     pub(super) fn density(&self, h: Vec3) -> f32 {
-        // A common scale drops out; with the largest component at 1 no square vanishes or overflows.
-        let h = h / h.abs().max_element();
-        let stretched = h.xy() / self.alpha;
+        // A common scale drops out; it matters only where squares would vanish.
+        let size = h.abs().max_element();
+        let h = if size < 1e-9 { h / size } else { h };
         let length2 = h.length_squared();
-        let norm = FRAC_1_PI / (self.alpha.x * self.alpha.y);
+        // The components over alpha, and 1, all times alpha.x alpha.y: one quotient instead of four.
+        let area = self.alpha.x * self.alpha.y;
+        let stretched2 = (h.xy() * self.alpha.yx()).length_squared();
+        let z2 = h.z * h.z;
         match self.distribution {
             Distribution::Ggx => {
                 // [Walter et al. 2007, eq. 33], anisotropic as in [Heitz 2014, eq. 85].
-                let s = stretched.length_squared() + h.z * h.z;
-                norm * (length2 / s) * (length2 / s)
+                let q = area * length2 / (stretched2 + area * area * z2);
+                FRAC_1_PI * area * q * q
             }
             Distribution::Beckmann => {
                 // [Walter et al. 2007, eq. 25], anisotropic as in [Heitz 2014, eq. 81].
-                let z2 = h.z * h.z;
-                let tail = (-stretched.length_squared() / z2).exp();
+                let tail = (-stretched2 / (area * area * z2)).exp();
                 // Far out the tail vanishes before the quotient can overflow.
-                if tail > 0.0 { norm * tail * (length2 / z2) * (length2 / z2) } else { 0.0 }
+                if tail > 0.0 { FRAC_1_PI * tail * (length2 / z2) * (length2 / z2) / area } else { 0.0 }
             }
         }
     }
@@ -68,18 +73,23 @@ impl Roughness {
         }
     }
 
-    /// As [`Roughness::masking_over_cos`], but exact: what normalises the distribution of visible normals.
+    /// [`Roughness::masking_over_cos`], and the same exactly: what normalises the distribution of visible normals.
     #[inline]
-    pub(super) fn visibility_over_cos(&self, w: Vec3) -> f32 {
+    pub(super) fn masking_and_visibility_over_cos(&self, w: Vec3) -> (f32, f32) {
         let spread = (self.alpha * w.xy()).length();
         match self.distribution {
-            Distribution::Ggx => ggx_masking_over_cos(w.z, spread),
-            Distribution::Beckmann => beckmann::masking_over_cos(w.z, spread),
+            Distribution::Ggx => {
+                let masking = ggx_masking_over_cos(w.z, spread);
+                (masking, masking)
+            }
+            Distribution::Beckmann => {
+                (beckmann::approximate_masking_over_cos(w.z, spread), beckmann::masking_over_cos(w.z, spread))
+            }
         }
     }
 
     /// A microfacet normal, unit length, with the density of normals visible from `wo`:
-    /// `visibility_over_cos(wo) * (wo.m) * density(m)`.
+    /// the exact masking of `wo` over its cosine times `(wo.m) density(m)`.
     #[inline]
     pub(super) fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
         // Stretched, the distribution has roughness 1 in both directions [Heitz and d'Eon 2014, sec. 4].
@@ -101,7 +111,7 @@ fn ggx_masking_over_cos(cos: f32, spread: f32) -> f32 {
 /// A visible normal for roughness 1, not normalised, by a spherical cap [Dupuy and Benyoub 2023, listing 3].
 #[inline]
 fn sample_visible_ggx(wo: Vec3, u: Vec2) -> Vec3 {
-    let (sin, cos) = (2.0 * PI * u.x).sin_cos();
+    let (sin, cos) = sin_cos_turn(u.x);
     // The cap is the part of the sphere above -wo.z; `depth` is the distance of its point from the pole.
     let depth = u.y * (1.0 + wo.z);
     let radius = (depth * (2.0 - depth)).max(0.0).sqrt();

@@ -73,7 +73,9 @@ impl Splats {
         }
         let sums = &self.pixels[pixel.y as usize * self.resolution.x as usize + pixel.x as usize];
         for (sum, v) in sums.iter().zip(value.to_array()) {
-            sum.add(FixedSum::from_in_range(f64::from(v)));
+            if v > 0.0 {
+                sum.add(FixedSum::from_in_range(f64::from(v)));
+            }
         }
     }
 }
@@ -131,13 +133,15 @@ impl Film {
             statistics
         }));
 
-        let mut splatted = splats.pixels;
-        for ((pixel, sums), splatted) in scanline(0, width).zip(&mut self.pixels).zip(&mut splatted) {
-            let estimate = splatted.each_mut().map(AtomicSum::get);
-            if !add(sums, estimate) {
-                reject(&mut statistics, technique, pass, pixel);
+        statistics.merge(&parallel::for_runs_of(&mut self.pixels, PIXELS_PER_RUN, |first, pixels| {
+            let mut statistics = RenderStatistics::default();
+            for ((pixel, sums), splatted) in scanline(first, width).zip(pixels).zip(&splats.pixels[first..]) {
+                if !add(sums, splatted.each_ref().map(AtomicSum::get)) {
+                    reject(&mut statistics, technique, pass, pixel);
+                }
             }
-        }
+            statistics
+        }));
         statistics
     }
 }

@@ -1,6 +1,6 @@
-//! One walk, compiled for the baseline and for AVX2, and the choice between them.
+//! What depends on the processor: one walk, compiled for the baseline and for AVX2, the choice between them, and prefetching.
 //!
-//! Both are the same source without fused multiply-adds; they return the same bits.
+//! Both walks are the same source without fused multiply-adds; they return the same bits. All unsafe code is here.
 
 use super::{Geometry, Hit, bvh::traverse::Best};
 use crate::ray::Ray;
@@ -76,4 +76,56 @@ fn closest_avx2<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
 #[target_feature(enable = "avx2,bmi1,bmi2")]
 fn occluded_avx2<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> bool {
     geometry.walk::<HAS, true>(ray, &mut Best::new(ray.t_max))
+}
+
+/// Asks for a value that is likely to be read soon to be brought near.
+#[inline(always)]
+pub(super) fn prefetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let line = std::ptr::from_ref(value).cast::<i8>();
+        for offset in (0..size_of::<T>()).step_by(64) {
+            // SAFETY: the address lies within `value`; a prefetch reads nothing that the program can observe, and SSE,
+            // which has the instruction, is part of the architecture.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(line.add(offset)) };
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Mesh, Shape, Sphere};
+    use glam::Vec3;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn both_instruction_sets_give_the_same_bits() {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(4);
+        let mut point = move || Vec3::new(rng.random(), rng.random(), rng.random()) * 2.0 - 1.0;
+        let mut mesh = Mesh::default();
+        for i in 0..3000 {
+            let at = point();
+            mesh.positions.extend([at, at + point() * 0.1, at + point() * 0.1]);
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        let sphere = Sphere { center: Vec3::ZERO, radius: 0.3, inverted: false };
+        let geometry = Geometry::build(vec![Shape::Mesh(mesh), Shape::Sphere(sphere)], vec![], vec![]);
+        let mut found = 0;
+        for _ in 0..100_000 {
+            let (a, b) = (point(), point());
+            let ray = Ray { origin: a, direction: b - a, t_max: 1.0 };
+            let baseline = Simd::Baseline.closest::<1>(&geometry, &ray);
+            let detected = geometry.simd().closest::<1>(&geometry, &ray);
+            let bits = |hit: Option<Hit>| hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.primitive));
+            assert_eq!(bits(baseline), bits(detected));
+            assert_eq!(Simd::Baseline.occluded::<1>(&geometry, &ray), detected.is_some());
+            assert_eq!(geometry.simd().occluded::<1>(&geometry, &ray), detected.is_some());
+            found += usize::from(detected.is_some());
+        }
+        assert!((10_000..90_000).contains(&found), "{found}");
+    }
 }

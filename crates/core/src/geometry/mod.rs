@@ -78,9 +78,9 @@ pub const NO_INSTANCE: u32 = u32::MAX;
 pub struct Hit {
     /// Ray parameter.
     pub t: f32,
-    /// First barycentric coordinate (weight of vertex 1); meaningless for curved shapes.
+    /// First barycentric coordinate (weight of vertex 1); of a sphere 0 where the ray enters it, 1 where it leaves.
     pub u: f32,
-    /// Second barycentric coordinate (weight of vertex 2).
+    /// Second barycentric coordinate (weight of vertex 2); 0 for curved shapes.
     pub v: f32,
     /// Primitive, counted over all shapes of the top level or of the instance's group.
     pub primitive: u32,

@@ -31,16 +31,12 @@ pub fn offset_origin(p: Vec3, p_error: Vec3, ng: Vec3, towards: Vec3) -> Vec3 {
     Vec3::new(round_along(moved.x, offset.x), round_along(moved.y, offset.y), round_along(moved.z, offset.z))
 }
 
-/// The next float in the direction of `offset`, so that rounding never takes back what was added.
+/// At least one float further in the direction of `offset`, so that rounding never takes back what was added.
 #[inline]
 fn round_along(x: f32, offset: f32) -> f32 {
-    if offset > 0.0 {
-        x.next_up()
-    } else if offset < 0.0 {
-        x.next_down()
-    } else {
-        x
-    }
+    // Between one and two units in the last place, without the branches of next_up and next_down.
+    let step = (x.abs() * f32::EPSILON).copysign(offset);
+    x + if offset == 0.0 { 0.0 } else { step }
 }
 
 /// An unbounded ray that leaves a surface.

@@ -18,11 +18,12 @@ enum Curved {
 }
 
 impl Curved {
+    /// The parameter in (0, t_max), and what [`Hit::u`] is to keep.
     #[inline]
-    fn intersect(&self, ray: &Ray) -> Option<f64> {
+    fn intersect(&self, ray: &Ray) -> Option<(f64, f32)> {
         match self {
             Curved::Sphere(sphere) => sphere.intersect(ray),
-            Curved::Disk(disk) => disk.intersect(ray),
+            Curved::Disk(disk) => disk.intersect(ray).map(|t| (t, 0.0)),
         }
     }
 }
@@ -171,10 +172,10 @@ impl Space {
     #[inline(always)]
     fn curved(&self, child: Child, ray: &Ray, instance: u32, best: &mut Best) -> bool {
         let (curved, primitive) = &self.curved[child.index()];
-        let Some(t) = curved.intersect(ray) else { return false };
+        let Some((t, u)) = curved.intersect(ray) else { return false };
         // What rounding moved onto an end goes back inside.
         let t = (t as f32).max(f32::from_bits(1)).min(ray.t_max.next_down());
-        best.offer(Hit { t, u: 0.0, v: 0.0, primitive: *primitive, instance });
+        best.offer(Hit { t, u, v: 0.0, primitive: *primitive, instance });
         true
     }
 
@@ -184,7 +185,7 @@ impl Space {
         let (shape, element) = self.locate(hit.primitive);
         let local = match &self.shapes[shape as usize] {
             Shape::Mesh(mesh) => mesh.surface(element, hit.u, hit.v),
-            Shape::Sphere(sphere) => sphere.surface(ray, hit.t),
+            Shape::Sphere(sphere) => sphere.surface(ray, hit.t, hit.u),
             Shape::Disk(disk) => disk.surface(ray, hit.t),
         };
         (local, shape, element)

@@ -21,7 +21,7 @@ impl Sphere {
         // [Haines et al. 2019, Ray Tracing Gems ch. 7, eq. 5]
         let perpendicular = f + d * (b / a);
         let discriminant = r * r - perpendicular.length_squared();
-        if !(discriminant >= 0.0) {
+        if discriminant < 0.0 || discriminant.is_nan() {
             return None;
         }
         let root = (a * discriminant).sqrt();
@@ -34,11 +34,15 @@ impl Sphere {
         Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
     }
 
-    /// The smallest parameter in (0, t_max), exclusive.
+    /// The smallest parameter in (0, t_max), exclusive; and 0 if the ray enters there, 1 if it leaves.
+    ///
+    /// The latter because the two may round to the same single-precision number.
     #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<(f64, f32)> {
         let t_max = f64::from(ray.t_max);
-        self.roots(ray)?.into_iter().find(|&t| t > 0.0 && t < t_max)
+        let [t0, t1] = self.roots(ray)?;
+        let within = |t: f64| t > 0.0 && t < t_max;
+        if within(t0) { Some((t0, 0.0)) } else { within(t1).then_some((t1, 1.0)) }
     }
 
     /// Bounds that no rounding escapes.
@@ -48,12 +52,10 @@ impl Sphere {
         (self.center - extent, self.center + extent)
     }
 
-    /// What is known at the parameter `t` that [`Sphere::intersect`] found.
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> Local {
+    /// What is known where the ray enters (`side` 0) or leaves (1), near the parameter `t` that was found.
+    pub(super) fn surface(&self, ray: &Ray, t: f32, side: f32) -> Local {
         // `t` was rounded; the unrounded one gives the normal of a tiny sphere far away.
-        let t = f64::from(t);
-        let nearest = |[t0, t1]: [f64; 2]| if (t - t0).abs() <= (t - t1).abs() { t0 } else { t1 };
-        let t = self.roots(ray).map_or(t, nearest);
+        let t = self.roots(ray).map_or(f64::from(t), |[t0, t1]| if side == 0.0 { t0 } else { t1 });
         let center = self.center.as_dvec3();
         let at = ray.origin.as_dvec3() + ray.direction.as_dvec3() * t - center;
         let outward = at.try_normalize().unwrap_or(DVec3::Y);

@@ -18,7 +18,8 @@ const BOX_PADDING: f32 = 16.0 * ROUNDOFF;
 /// is zero within the rounding of double precision.
 #[inline]
 pub(super) fn normal(v: [Vec3; 3]) -> Option<Vec3> {
-    let [a, b, c] = v.map(Vec3::as_dvec3);
+    let [a, b, c] = v;
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     let (e1, e2) = (b - a, c - a);
     let n: DVec3 = e1.cross(e2);
     let square = n.length_squared();
@@ -43,14 +44,14 @@ impl Mesh {
     /// The vertices of a triangle.
     #[inline]
     pub(super) fn vertices(&self, element: u32) -> [Vec3; 3] {
-        self.triangles[element as usize].map(|i| self.positions[i as usize])
+        let [a, b, c] = self.triangles[element as usize];
+        [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
     /// What is known at barycentric coordinates (u, v) of a triangle.
     #[inline]
     pub(super) fn surface(&self, element: u32, u: f32, v: f32) -> Local {
-        let indices = self.triangles[element as usize];
-        let [a, b, c] = indices.map(|i| self.positions[i as usize]);
+        let [a, b, c] = self.vertices(element);
         let w = 1.0 - u - v;
         let (wa, ub, vc) = (a * w, b * u, c * v);
         let p = wa + ub + vc;
@@ -61,7 +62,8 @@ impl Mesh {
         let ns = if self.normals.is_empty() {
             ng
         } else {
-            let [na, nb, nc] = indices.map(|i| self.normals[i as usize]);
+            let [i, j, k] = self.triangles[element as usize];
+            let (na, nb, nc) = (self.normals[i as usize], self.normals[j as usize], self.normals[k as usize]);
             match (na * w + nb * u + nc * v).try_normalize() {
                 Some(n) if n.dot(ng) < 0.0 => -n,
                 Some(n) => n,
@@ -71,7 +73,8 @@ impl Mesh {
         let (uv, dpdu) = if self.uvs.is_empty() {
             (Vec2::new(u, v), b - a)
         } else {
-            let [ta, tb, tc] = indices.map(|i| self.uvs[i as usize]);
+            let [i, j, k] = self.triangles[element as usize];
+            let (ta, tb, tc) = (self.uvs[i as usize], self.uvs[j as usize], self.uvs[k as usize]);
             let (d1, d2) = (tb - ta, tc - ta);
             // Solves e1 = d1.x dpdu + d1.y dpdv, e2 = d2.x dpdu + d2.y dpdv for dpdu. [Pharr et al. 2023, sec. 6.5.3]
             let determinant = d1.x * d2.y - d1.y * d2.x;

@@ -24,7 +24,7 @@ use glam::Vec3;
 /// let ray = Ray::new(Vec3::new(0.0, 0.0, 3.0), Vec3::NEG_Z);
 /// let hit = specialise!(geometry.has(), HAS => geometry.closest::<HAS>(&ray)).unwrap();
 /// assert_eq!(hit.t, 2.0);
-/// assert_eq!(geometry.surface(&ray, &hit).ng, Vec3::Z);
+/// assert_eq!(geometry.surface::<0>(&ray, &hit).ng, Vec3::Z);
 /// ```
 #[derive(Debug)]
 pub struct Geometry {
@@ -60,12 +60,12 @@ impl Geometry {
     #[inline]
     pub fn closest<const HAS: u32>(&self, ray: &Ray) -> Option<Hit> {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        // Only the kinds of shape matter here: four walks are compiled, not one for every set of features.
-        match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
-            (false, false) => self.simd.closest::<0>(self, ray),
-            (true, false) => self.simd.closest::<CURVED>(self, ray),
-            (false, true) => self.simd.closest::<INSTANCES>(self, ray),
-            (true, true) => self.simd.closest::<{ CURVED | INSTANCES }>(self, ray),
+        // The kinds that the walk knows of; other bits would only multiply its copies.
+        match HAS & (CURVED | INSTANCES) {
+            0 => self.simd.closest::<0>(self, ray),
+            CURVED => self.simd.closest::<CURVED>(self, ray),
+            INSTANCES => self.simd.closest::<INSTANCES>(self, ray),
+            _ => self.simd.closest::<{ CURVED | INSTANCES }>(self, ray),
         }
     }
 
@@ -73,11 +73,11 @@ impl Geometry {
     #[inline]
     pub fn occluded<const HAS: u32>(&self, ray: &Ray) -> bool {
         debug_assert_eq!(self.has() & !HAS, 0, "shapes of a kind that HAS leaves out");
-        match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
-            (false, false) => self.simd.occluded::<0>(self, ray),
-            (true, false) => self.simd.occluded::<CURVED>(self, ray),
-            (false, true) => self.simd.occluded::<INSTANCES>(self, ray),
-            (true, true) => self.simd.occluded::<{ CURVED | INSTANCES }>(self, ray),
+        match HAS & (CURVED | INSTANCES) {
+            0 => self.simd.occluded::<0>(self, ray),
+            CURVED => self.simd.occluded::<CURVED>(self, ray),
+            INSTANCES => self.simd.occluded::<INSTANCES>(self, ray),
+            _ => self.simd.occluded::<{ CURVED | INSTANCES }>(self, ray),
         }
     }
 
@@ -177,6 +177,12 @@ impl Geometry {
     /// Triangles without area, which no ray hits.
     pub fn degenerate_dropped(&self) -> usize {
         self.spaces().map(|s| s.dropped).sum()
+    }
+
+    /// The instruction set in use.
+    #[cfg(test)]
+    pub(super) fn simd(&self) -> Simd {
+        self.simd
     }
 
     fn spaces(&self) -> impl Iterator<Item = &Space> {

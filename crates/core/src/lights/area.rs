@@ -2,12 +2,12 @@
 
 use crate::{
     frame::Frame,
-    geometry::{Disk, Sphere},
+    geometry::{Disk, Sphere, offset::gamma},
     rgb::Rgb,
-    warp::{sample_disk, sample_sphere, sample_triangle},
+    warp::{cone_pdf, sample_cone, sample_disk, sample_sphere, sample_triangle},
 };
 use glam::{Vec2, Vec3};
-use std::f32::consts::PI;
+use std::f64::consts::PI;
 
 /// An emissive shape in the world: the same radiance from every point of the side its normal points to.
 #[derive(Clone, Copy, Debug)]
@@ -48,35 +48,47 @@ pub(super) struct AreaDirection {
     pub pdf_w: f32,
 }
 
-/// Bound of the relative error of `n` roundings in a row [Higham 2002, lemma 3.1].
-const fn gamma(n: u32) -> f32 {
-    let ne = n as f32 * (f32::EPSILON / 2.0);
-    ne / (1.0 - ne)
+/// An area light with what every sample of it needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Emitter {
+    shape: AreaShape,
+    pub radiance: Rgb,
+    /// Area in square metres.
+    pub area: f32,
+    /// Unit normal of a triangle.
+    normal: Vec3,
 }
 
-impl AreaShape {
-    /// Area in square metres.
-    #[inline]
-    pub fn area(&self) -> f32 {
-        match self {
-            AreaShape::Triangle(vertices) => 0.5 * length(doubled_area_normal(vertices)),
-            AreaShape::Sphere(s) => 4.0 * PI * s.radius * s.radius,
-            AreaShape::Disk(d) => PI * d.radius * d.radius,
-        }
+impl From<AreaLight> for Emitter {
+    fn from(light: AreaLight) -> Emitter {
+        let (area, normal) = match light.shape {
+            AreaShape::Triangle([p0, p1, p2]) => {
+                let n = (p1.as_dvec3() - p0.as_dvec3()).cross(p2.as_dvec3() - p0.as_dvec3());
+                (0.5 * n.length(), n.normalize_or_zero().as_vec3())
+            }
+            AreaShape::Sphere(s) => (4.0 * f64::from(s.radius).powi(2) * PI, Vec3::ZERO),
+            AreaShape::Disk(d) => (f64::from(d.radius).powi(2) * PI, d.normal),
+        };
+        Emitter { shape: light.shape, radiance: light.radiance, area: area as f32, normal }
+    }
+}
+
+impl Emitter {
+    /// Flux in watts, by luminance.
+    pub fn flux(&self) -> f64 {
+        PI * f64::from(self.area) * f64::from(self.radiance.luminance())
     }
 
     /// A point with uniform density over the area.
     #[inline]
-    pub(super) fn sample_point(&self, u: Vec2) -> AreaPoint {
-        match self {
-            AreaShape::Triangle(vertices) => {
-                let [p0, p1, p2] = *vertices;
-                let n = doubled_area_normal(vertices);
+    pub fn sample_point(&self, u: Vec2) -> AreaPoint {
+        match &self.shape {
+            AreaShape::Triangle([p0, p1, p2]) => {
                 let b = sample_triangle(u);
                 AreaPoint {
-                    p: b.x * p0 + b.y * p1 + b.z * p2,
+                    p: b.x * *p0 + b.y * *p1 + b.z * *p2,
                     p_error: gamma(6) * (b.x * p0.abs() + b.y * p1.abs() + b.z * p2.abs()),
-                    normal: n / length(n),
+                    normal: self.normal,
                 }
             }
             AreaShape::Sphere(s) => sphere_point(s, sample_sphere(u)),
@@ -96,47 +108,41 @@ impl AreaShape {
     /// A direction from `from` to a point of the side that emits; `None` where there is none, or none with a finite
     /// density.
     #[inline]
-    pub(super) fn sample_direction(&self, from: Vec3, u: Vec2) -> Option<AreaDirection> {
-        if let AreaShape::Sphere(s) = self
+    pub fn sample_direction(&self, from: Vec3, u: Vec2) -> Option<AreaDirection> {
+        if let AreaShape::Sphere(s) = &self.shape
             && let Some(cone) = Cone::new(s, from)
         {
             return if s.inverted { None } else { cone.sample(s, u) };
         }
         let point = self.sample_point(u);
         let to = point.p - from;
-        let wi = to / length(to);
-        let pdf_w = self.direction_pdf(from, point.p, point.normal, wi);
-        (pdf_w > 0.0).then_some(AreaDirection { point, wi, pdf_w })
+        let d2 = to.length_squared();
+        let wi = to * (1.0 / d2.sqrt());
+        // Where a square is no normal number, the density is none either, and the direction is not one.
+        let pdf_w = self.area_pdf(d2, -point.normal.dot(wi));
+        (pdf_w > 0.0 && d2.is_normal()).then_some(AreaDirection { point, wi, pdf_w })
     }
 
     /// Density per steradian at which [`AreaShape::sample_direction`] finds the direction `wi` from `from`, which hits
     /// the shape at `p` where its normal is `normal`; 0 where it is not sampled.
     #[inline]
-    pub(super) fn direction_pdf(&self, from: Vec3, p: Vec3, normal: Vec3, wi: Vec3) -> f32 {
-        if let AreaShape::Sphere(s) = self {
+    pub fn direction_pdf(&self, from: Vec3, p: Vec3, normal: Vec3, wi: Vec3) -> f32 {
+        if let AreaShape::Sphere(s) = &self.shape {
             match Cone::new(s, from) {
                 Some(cone) => return if s.inverted { 0.0 } else { cone.pdf() },
                 None if !s.inverted => return 0.0,
                 None => (),
             }
         }
-        let cos = -normal.dot(wi);
-        let pdf = p.as_dvec3().distance_squared(from.as_dvec3()) / (f64::from(cos) * f64::from(self.area()));
-        let pdf = pdf as f32;
+        self.area_pdf(p.distance_squared(from), -normal.dot(wi))
+    }
+
+    /// The uniform density over the area as one per steradian, at a squared distance and a cosine at the light.
+    #[inline]
+    fn area_pdf(&self, d2: f32, cos: f32) -> f32 {
+        let pdf = d2 / (cos * self.area);
         if cos > 0.0 && pdf.is_finite() { pdf } else { 0.0 }
     }
-}
-
-/// The normal of a triangle, as long as twice its area.
-#[inline]
-fn doubled_area_normal([p0, p1, p2]: &[Vec3; 3]) -> Vec3 {
-    (*p1 - *p0).cross(*p2 - *p0)
-}
-
-/// The length, also where its square does not fit an `f32`.
-#[inline]
-fn length(v: Vec3) -> f32 {
-    v.as_dvec3().length() as f32
 }
 
 /// The point of a sphere at a unit vector from its centre.
@@ -174,7 +180,7 @@ impl Cone {
 
     #[inline]
     fn pdf(&self) -> f32 {
-        let pdf = 1.0 / (2.0 * PI * self.one_minus_cos_max());
+        let pdf = cone_pdf(self.one_minus_cos_max());
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
@@ -184,20 +190,18 @@ impl Cone {
         if pdf_w == 0.0 {
             return None;
         }
-        let one_minus_cos = u.x * self.one_minus_cos_max();
-        let cos = 1.0 - one_minus_cos;
-        let sin2 = one_minus_cos * (2.0 - one_minus_cos);
-        // The point subtends alpha at the centre: sin(alpha + theta) = sin(theta) / sin(theta_max).
-        let sin = sin2.sqrt();
-        let sin_sum = (sin / self.sin2_max.sqrt()).min(1.0);
-        let cos_sum = (1.0 - sin_sum * sin_sum).sqrt();
-        let sin_alpha = sin_sum * cos - cos_sum * sin;
-        let cos_alpha = cos_sum * cos + sin_sum * sin;
-        let (sin_phi, cos_phi) = (2.0 * PI * u.y).sin_cos();
         let frame = Frame::from_normal(self.axis);
-        let across = frame.tangent * cos_phi + frame.bitangent * sin_phi;
-        let wi = (across * sin + self.axis * cos).normalize();
-        let point = sphere_point(s, (across * sin_alpha - self.axis * cos_alpha).normalize());
+        let local = sample_cone(u, self.one_minus_cos_max());
+        // The point lies at an angle alpha about the centre, and sin(alpha + theta) = sin(theta) / sin(theta_max).
+        let (sin_max, cos) = (self.sin2_max.sqrt(), local.z);
+        let sin = local.truncate().length();
+        let sin_sum = (sin / sin_max).min(1.0);
+        let cos_sum = (1.0 - sin_sum * sin_sum).sqrt();
+        // Of sin(alpha) the factor sin(theta) is left in the local x and y.
+        let across = local.truncate() * (cos / sin_max - cos_sum);
+        let outwards = frame.to_world(across.extend(-(cos_sum * cos + sin_sum * sin)));
+        let point = sphere_point(s, outwards.normalize());
+        let wi = frame.to_world(local);
         Some(AreaDirection { point, wi, pdf_w })
     }
 }

@@ -74,7 +74,7 @@ impl Lights {
         let element = self.choose(u_choice, u_point)?;
         let (p, p_error, normal, direction, radiance) = match self.element(element) {
             Element::Area(light) => {
-                let point = light.shape.sample_point(u_point);
+                let point = light.sample_point(u_point);
                 let local = sample_cosine_hemisphere(u_direction);
                 let direction = Frame::from_normal(point.normal).to_world(local);
                 (point.p, point.p_error, point.normal, direction, light.radiance)
@@ -91,8 +91,9 @@ impl Lights {
                 (self.outside(*direction, u_point), Vec3::ZERO, *direction, *direction, *irradiance)
             }
             Element::Sky(sky) => {
-                let wi = sky.sample(u_direction)?;
-                (self.outside(-wi, u_point), Vec3::ZERO, -wi, -wi, sky.radiance(wi))
+                let sample = sky.sample(u_direction)?;
+                let away = -sample.direction;
+                (self.outside(away, u_point), Vec3::ZERO, away, away, sample.radiance)
             }
         };
         let EmissionDensity { choice, pdf_a, pdf_w } = self.emission_density(element, normal, direction);
@@ -126,7 +127,7 @@ impl Lights {
     pub fn emission_density(&self, element: u32, ng: Vec3, direction: Vec3) -> EmissionDensity {
         let disk = 1.0 / (PI * self.world.radius * self.world.radius);
         let (pdf_a, pdf_w) = match self.element(element) {
-            Element::Area(light) => (1.0 / light.shape.area(), cosine_hemisphere_pdf(ng.dot(direction))),
+            Element::Area(light) => (1.0 / light.area, cosine_hemisphere_pdf(ng.dot(direction))),
             Element::Delta(Delta::Point { .. }) => (1.0, sphere_pdf()),
             Element::Delta(Delta::Spot { cone, .. }) => (1.0, cone.pdf(direction)),
             Element::Delta(Delta::Directional { .. }) => (disk, 1.0),

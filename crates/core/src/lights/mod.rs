@@ -14,7 +14,8 @@ mod sky;
 pub use area::{AreaLight, AreaShape};
 pub use emission::{EmissionDensity, EmissionSample};
 
-use crate::{distribution::alias::AliasTable, rgb::Rgb, scene::DeltaLight};
+use crate::{distribution::AliasTable, rgb::Rgb, scene::DeltaLight};
+use area::Emitter;
 use delta::Delta;
 use environment::Environment;
 use glam::{Vec2, Vec3};
@@ -43,7 +44,7 @@ pub enum LightChoice {
 /// All the lights of a scene.
 #[derive(Clone, Debug)]
 pub struct Lights {
-    area: Vec<AreaLight>,
+    area: Vec<Emitter>,
     delta: Vec<Delta>,
     sky: Option<Sky>,
     /// Over the elements; `None` when nothing emits.
@@ -77,13 +78,16 @@ pub struct DirectSample {
 }
 
 impl Lights {
+    /// How many elements there can be.
+    pub const LIMIT: usize = 1 << 24;
+
     /// The lights of a scene, all in the rendered world; `world` bounds everything visible.
     ///
     /// Values are expected to be valid as the scene checks them: finite, not negative, axes not zero, the environment
     /// passing [`Environment::check`]. An element whose flux is zero is never chosen.
     ///
     /// # Panics
-    /// With 2^32 elements or more.
+    /// With more than [`Lights::LIMIT`] elements.
     pub fn build(
         area: Vec<AreaLight>,
         delta: Vec<DeltaLight>,
@@ -91,10 +95,11 @@ impl Lights {
         world: BoundingSphere,
         choice: LightChoice,
     ) -> Lights {
+        let area: Vec<Emitter> = area.into_iter().map(Emitter::from).collect();
         let delta: Vec<Delta> = delta.iter().map(Delta::from).collect();
         let sky = environment.as_ref().map(Sky::new);
         let disk = PI * f64::from(world.radius).powi(2);
-        let flux = (area.iter().map(AreaLight::flux))
+        let flux = (area.iter().map(Emitter::flux))
             .chain(delta.iter().map(|light| light.flux(world.radius)))
             .chain(sky.iter().map(|sky| disk * sky.integral()));
         let weights: Vec<f64> = flux
@@ -104,7 +109,7 @@ impl Lights {
                 LightChoice::Uniform => 1.0,
             })
             .collect();
-        assert!(u32::try_from(weights.len()).is_ok(), "too many lights: {}", weights.len());
+        assert!(weights.len() <= Lights::LIMIT, "too many lights: {}", weights.len());
         let directional = delta.iter().any(|light| matches!(light, Delta::Directional { .. }));
         Lights { area, delta, sky, choice: AliasTable::new(&weights), world, directional }
     }
@@ -149,7 +154,7 @@ impl Lights {
         let choice = self.choice_probability(element);
         let sample = match self.element(element) {
             Element::Area(light) => {
-                let d = light.shape.sample_direction(from, u)?;
+                let d = light.sample_direction(from, u)?;
                 DirectSample {
                     wi: d.wi,
                     radiance: light.radiance,
@@ -164,9 +169,8 @@ impl Lights {
             }
             Element::Delta(light) => self.delta_direct(light, from, choice, element)?,
             Element::Sky(sky) => {
-                let wi = sky.sample(u)?;
-                let (radiance, pdf) = sky.radiance_and_pdf(wi);
-                self.infinite_direct(from, wi, radiance, choice * pdf, element)
+                let sample = sky.sample(u)?;
+                self.infinite_direct(from, sample.direction, sample.radiance, choice * sample.pdf_w, element)
             }
         };
         (sample.pdf_w > 0.0 && sample.pdf_w.is_finite() && sample.radiance.is_valid()).then_some(sample)
@@ -223,7 +227,7 @@ impl Lights {
     /// technique found to hit the area element `element` at `p`, where its geometric normal is `ng`.
     #[inline]
     pub fn pdf_direct(&self, element: u32, from: Vec3, p: Vec3, ng: Vec3, wi: Vec3) -> f32 {
-        let pdf = self.choice_probability(element) * self.area[element as usize].shape.direction_pdf(from, p, ng, wi);
+        let pdf = self.choice_probability(element) * self.area[element as usize].direction_pdf(from, p, ng, wi);
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
@@ -249,7 +253,7 @@ impl Lights {
 
     /// Bytes held, an environment's image included.
     pub fn memory_bytes(&self) -> u64 {
-        (self.area.capacity() * size_of::<AreaLight>() + self.delta.capacity() * size_of::<Delta>()) as u64
+        (self.area.capacity() * size_of::<Emitter>() + self.delta.capacity() * size_of::<Delta>()) as u64
             + self.choice.as_ref().map_or(0, AliasTable::memory_bytes)
             + self.sky.as_ref().map_or(0, Sky::memory_bytes)
     }
@@ -263,7 +267,7 @@ impl Lights {
         let mixed = (mixed ^ mixed >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32;
         // 2^-24 is the spacing of the largest f32 below 1, 2^-32 that of the mixed bits.
         let extended = f64::from(u_choice) + mixed as f64 * (0.5f64).powi(56);
-        Some(table.choose(extended) as u32)
+        Some(table.pick(extended) as u32)
     }
 
     #[inline]
@@ -278,14 +282,7 @@ impl Lights {
 }
 
 enum Element<'a> {
-    Area(&'a AreaLight),
+    Area(&'a Emitter),
     Delta(&'a Delta),
     Sky(&'a Sky),
-}
-
-impl AreaLight {
-    /// Flux in watts, by luminance.
-    fn flux(&self) -> f64 {
-        PI * f64::from(self.shape.area()) * f64::from(self.radiance.luminance())
-    }
 }

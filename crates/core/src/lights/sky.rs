@@ -5,7 +5,7 @@ use super::{
     polar::{Band, sample_linear},
 };
 use crate::{
-    distribution::piecewise::Piecewise2d,
+    distribution::Piecewise2d,
     rgb::Rgb,
     texture::Bitmap,
     warp::{sample_sphere, sphere_pdf},
@@ -18,6 +18,17 @@ use std::{f32::consts::PI, f64::consts::PI as PI64, sync::Arc};
 pub(super) enum Sky {
     Constant(Rgb),
     LatLong(LatLong),
+}
+
+/// A direction towards the environment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SkySample {
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Radiance from there.
+    pub radiance: Rgb,
+    /// Density per steradian.
+    pub pdf_w: f32,
 }
 
 /// A latitude-longitude image that can be sampled.
@@ -57,9 +68,11 @@ impl Sky {
 
     /// Samples a direction towards the environment.
     #[inline]
-    pub fn sample(&self, u: Vec2) -> Option<Vec3> {
+    pub fn sample(&self, u: Vec2) -> Option<SkySample> {
         match self {
-            Sky::Constant(_) => Some(sample_sphere(u)),
+            Sky::Constant(radiance) => {
+                Some(SkySample { direction: sample_sphere(u), radiance: *radiance, pdf_w: sphere_pdf() })
+            }
             Sky::LatLong(sky) => sky.sample(u),
         }
     }
@@ -71,8 +84,7 @@ impl Sky {
             Sky::Constant(radiance) => (*radiance, sphere_pdf()),
             Sky::LatLong(sky) => {
                 let radiance = sky.radiance(direction);
-                let pdf = (f64::from(radiance.luminance()) / sky.integral) as f32;
-                (radiance, if pdf.is_finite() { pdf } else { 0.0 })
+                (radiance, sky.pdf_w(radiance))
             }
         }
     }
@@ -111,7 +123,7 @@ impl LatLong {
             weights.extend((0..width).map(|x| (mean(x, top) * w_top + mean(x, bottom) * w_bottom) * solid_angle));
         }
         let integral = weights.iter().sum::<f64>() * f64::from(scale);
-        let cells = Piecewise2d::new(width, bands(rows, height), &weights).filter(|_| integral > 0.0);
+        let cells = Piecewise2d::new(&weights, width).filter(|_| integral > 0.0);
         LatLong { image, scale, to_world, rows, cells, integral }
     }
 
@@ -138,22 +150,37 @@ impl LatLong {
         (across(top) * (1.0 - fy) + across(bottom) * fy) * self.scale
     }
 
+    /// The density where the image, interpolated and scaled, has this radiance.
     #[inline]
-    fn sample(&self, u: Vec2) -> Option<Vec3> {
-        let cell = self.cells.as_ref()?.sample(u);
+    fn pdf_w(&self, radiance: Rgb) -> f32 {
+        let pdf = (f64::from(radiance.luminance()) / self.integral) as f32;
+        if pdf.is_finite() { pdf } else { 0.0 }
+    }
+
+    #[inline]
+    fn sample(&self, u: Vec2) -> Option<SkySample> {
+        let (column, row, within) = self.cells.as_ref()?.sample_cell(u);
         let (width, height) = (self.image.width as usize, self.image.height as usize);
-        let (band, top, bottom) = band(self.rows, height, cell.y);
-        let luminance = |x: usize, y: usize| f64::from(self.image.texels[y * width + x].luminance());
-        let next = (cell.x + 1) % width;
-        let corners =
-            [luminance(cell.x, top), luminance(next, top), luminance(cell.x, bottom), luminance(next, bottom)];
+        let (band, top, bottom) = band(self.rows, height, row);
+        let next = if column + 1 == width { 0 } else { column + 1 };
+        let texel = |x: usize, y: usize| self.image.texels[y * width + x];
+        let corners = [texel(column, top), texel(next, top), texel(column, bottom), texel(next, bottom)];
+        let luminance = corners.map(|c| f64::from(c.luminance()));
         // First the marginal density over the polar angle, then the conditional one over the azimuth.
-        let t = band.sample(corners[0] + corners[1], corners[2] + corners[3], f64::from(cell.within.y));
+        let t = band.sample(luminance[0] + luminance[1], luminance[2] + luminance[3], f64::from(within.y));
         let down = |a: f64, b: f64| a * (1.0 - t) + b * t;
-        let s = sample_linear(down(corners[0], corners[2]), down(corners[1], corners[3]), f64::from(cell.within.x));
+        let s = sample_linear(down(luminance[0], luminance[2]), down(luminance[1], luminance[3]), f64::from(within.x));
         let (sin_theta, cos_theta) = ((band.start + band.width * t) as f32).sin_cos();
-        let (sin_phi, cos_phi) = ((2.0 * PI64 * (cell.x as f64 + 0.5 + s) / width as f64) as f32).sin_cos();
-        Some(self.to_world * Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi))
+        let (sin_phi, cos_phi) = ((2.0 * PI64 * (column as f64 + 0.5 + s) / width as f64) as f32).sin_cos();
+        // The texels are at hand: looking the direction up again would cost two arc tangents.
+        let (fx, fy) = (s as f32, t as f32);
+        let across = |left: Rgb, right: Rgb| left * (1.0 - fx) + right * fx;
+        let radiance = (across(corners[0], corners[1]) * (1.0 - fy) + across(corners[2], corners[3]) * fy) * self.scale;
+        Some(SkySample {
+            direction: self.to_world * Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi),
+            radiance,
+            pdf_w: self.pdf_w(radiance),
+        })
     }
 }
 

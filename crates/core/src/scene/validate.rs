@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     bsdf::{ConductorFresnel, Roughness},
+    lights::Lights,
     material::Material,
     rgb::Rgb,
     texture::Texture,
@@ -45,10 +46,14 @@ pub(super) fn check(scene: &SceneDescription) -> Result<(), SceneError> {
     if let Some(environment) = &scene.environment {
         environment.check().map_err(|e| item(Kind::Environment, &scene.name)(Problem::Other(e)))?;
     }
-    let elements: usize = scene.objects.iter().chain(scene.groups.iter().flat_map(|g| &g.objects)).map(elements).sum();
-    // One bit is left for the hierarchy to tell leaves from nodes.
-    if elements >= 1 << 31 {
-        return Err(item(Kind::Object, &scene.name)(Problem::TooMany(elements)));
+    let all = scene.objects.iter().chain(scene.groups.iter().flat_map(|g| &g.objects));
+    let emitting = scene.objects.iter().filter(|o| o.emission.is_some_and(|e| !e.is_black()));
+    let (primitives, lights) = (all.map(elements).sum(), emitting.map(elements).sum::<usize>() + scene.lights.len());
+    // One bit is left for the hierarchy to tell leaves from nodes; one light may be the environment.
+    for (count, limit) in [(primitives, 1 << 31), (lights, Lights::LIMIT)] {
+        if count >= limit {
+            return Err(item(Kind::Object, &scene.name)(Problem::TooMany(count)));
+        }
     }
     Ok(())
 }

@@ -18,7 +18,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
 /// Tests diffuse indirect light, colour bleeding and soft shadows: the easy case that every technique must get right.
 /// The layout is the classic one; its measures and colours are its own.
 fn build(_: &Values) -> LoadedScene {
-    let mut stage = Stage::new("cornell", DVec3::new(0.0, 1.05, 4.6), DVec3::new(0.0, 1.05, 0.0), 37.0);
+    let mut stage = Stage::new("cornell", DVec3::new(0.0, 1.05, 4.6), DVec3::new(0.0, 1.05, 0.0), 34.0);
     let white = stage.lambert("white", [0.74, 0.73, 0.7]);
     let brick = stage.lambert("brick", [0.6, 0.12, 0.08]);
     let moss = stage.lambert("moss", [0.16, 0.42, 0.13]);
@@ -36,6 +36,6 @@ fn build(_: &Values) -> LoadedScene {
     stage.cuboid("low block", DVec3::new(0.45, 0.31, 0.22), DVec3::new(0.32, 0.31, 0.32), -16.0, white);
     let down = (DVec3::X * 0.28, DVec3::Z * 0.24);
     stage.rectangle("light", DVec3::new(0.0, 2.09, -0.1), down.0, down.1, dark).emission =
-        Some(Rgb::new(19.0, 15.0, 9.0));
+        Some(Rgb::new(48.0, 38.0, 23.0));
     stage.finish(12)
 }

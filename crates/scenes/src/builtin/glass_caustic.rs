@@ -22,7 +22,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
 /// Tests caustics by refraction and reflection: light that only paths through the balls carry to the floor and the walls, and
 /// that the camera sees through the balls once more.
 fn build(values: &Values) -> LoadedScene {
-    let mut stage = Stage::new("glass-caustic", DVec3::new(0.0, 1.0, 4.3), DVec3::new(0.0, 0.95, 0.0), 37.0);
+    let mut stage = Stage::new("glass-caustic", DVec3::new(0.0, 1.0, 4.3), DVec3::new(0.0, 1.0, 0.0), 34.0);
     let white = stage.lambert("white", [0.73, 0.72, 0.7]);
     let ochre = stage.lambert("ochre", [0.62, 0.36, 0.1]);
     let blue = stage.lambert("blue", [0.14, 0.22, 0.5]);
@@ -42,6 +42,6 @@ fn build(values: &Values) -> LoadedScene {
     stage.sphere("glass ball", DVec3::new(0.42, 0.4, 0.3), 0.37, glass);
     let half = values.number("light");
     let light = stage.rectangle("light", DVec3::new(0.05, 1.98, 0.0), DVec3::X * half, DVec3::Z * half, dark);
-    light.emission = Some(Rgb::new(1.0, 0.82, 0.55) * (0.95 / (half * half)) as f32);
+    light.emission = Some(Rgb::new(1.0, 0.82, 0.55) * (2.3 / (half * half)) as f32);
     stage.finish(16)
 }

@@ -28,7 +28,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
 /// Tests the choice among lights: each point is lit by a few of them, and a technique that chooses by power alone wastes
 /// nearly all of its shadow rays. The lights are tilted, coloured and one-sided, so that distance is not all that counts.
 fn build(values: &Values) -> LoadedScene {
-    let mut stage = Stage::new("many-lights", DVec3::new(0.0, 4.4, 8.4), DVec3::new(0.0, 0.4, 0.6), 50.0);
+    let mut stage = Stage::new("many-lights", DVec3::new(0.0, 6.4, 7.6), DVec3::new(0.0, 0.3, 0.6), 48.0);
     let ground = stage.lambert("ground", [0.5, 0.5, 0.48]);
     let boxes = [
         stage.lambert("clay", [0.62, 0.4, 0.28]),
@@ -53,7 +53,7 @@ fn build(values: &Values) -> LoadedScene {
 
     // Lights that share a volume shrink as they grow in number, so that they stay apart.
     let half = 0.2 / f64::from(n).cbrt();
-    let radiance = 14.0 / (half * half * f64::from(n));
+    let radiance = 42.0 / (half * half * f64::from(n));
     for i in 0..n {
         let place = DVec3::new(uniform(-5.5, 5.5), uniform(1.2, 2.6), uniform(-5.5, 5.5));
         // Downwards, tilted by at most about 45 degrees.

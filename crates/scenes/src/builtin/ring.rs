@@ -34,14 +34,14 @@ fn build(values: &Values) -> LoadedScene {
     let dark = stage.lambert("dark", [0.0; 3]);
     let brass = stage.material("brass", mirror([0.93, 0.76, 0.45]));
     stage.quad("floor", [[-7.0, 0.0, -7.0], [-7.0, 0.0, 7.0], [7.0, 0.0, 7.0], [7.0, 0.0, -7.0]], plaster);
-    stage.mesh("ring", band(values.integer("segments"), 1.0, 1.06, 0.45), brass);
+    stage.mesh("ring", band(values.integer("segments"), 1.0, 1.06, 0.38), brass);
 
-    let (place, aim) = (DVec3::new(0.0, 2.3, -3.2), DVec3::new(0.0, 0.0, 0.2));
+    let (place, aim) = (DVec3::new(0.0, 3.1, -3.0), DVec3::new(0.0, 0.0, 0.2));
     let normal = (aim - place).normalize();
     let half = values.number("light");
     let u = DVec3::X * half;
     let light = stage.rectangle("light", place, u, normal.cross(u), dark);
-    light.emission = Some(grey(4.6 / (half * half)));
+    light.emission = Some(grey(13.0 / (half * half)));
     stage.finish(10)
 }
 

@@ -37,6 +37,9 @@ const REFRACTION: [(&str, f64); 11] = [
 /// Roughness that [`Roughness`] allows.
 const ALPHA: (f64, f64) = (1e-4, 1.0);
 
+/// How deep BSDFs nest at most; no supported material needs more than three.
+const DEEPEST: usize = 8;
+
 /// The materials that shapes use, each read once.
 pub(super) struct Materials<'r, 'd> {
     reader: &'r Reader<'d>,
@@ -107,6 +110,9 @@ impl<'r, 'd> Materials<'r, 'd> {
     fn read(&mut self, node: Node<'d, 'd>) -> Result<(Material, bool), LoadError> {
         if self.open.contains(&node.id()) {
             return Err(self.reader.error(node, "the BSDF contains itself by its references"));
+        }
+        if self.open.len() == DEEPEST {
+            return Err(self.reader.error(node, format!("BSDFs are nested more than {DEEPEST} deep")));
         }
         self.open.push(node.id());
         let plugin = Plugin::new(self.reader, node)?;

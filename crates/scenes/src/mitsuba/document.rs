@@ -15,6 +15,8 @@ pub(super) struct Reader<'d> {
     /// The scene's folder, without links.
     folder: PathBuf,
     document: &'d Document<'d>,
+    /// The byte at which each line starts.
+    lines: Vec<usize>,
     defaults: HashMap<&'d str, String>,
     by_id: HashMap<String, Node<'d, 'd>>,
 }
@@ -27,7 +29,10 @@ impl<'d> Reader<'d> {
             _ => Path::new("."),
         };
         let folder = folder.canonicalize().map_err(|source| LoadError::Read { path: folder.to_owned(), source })?;
-        let mut reader = Reader { path, folder, document, defaults: HashMap::new(), by_id: HashMap::new() };
+        let mut reader =
+            Reader { path, folder, document, lines: Vec::new(), defaults: HashMap::new(), by_id: HashMap::new() };
+        let ends = document.input_text().bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        reader.lines = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
         let root = document.root_element();
         for node in root.children().filter(|n| n.has_tag_name("default")) {
             reader.allow_attributes(node, &["name", "value"])?;
@@ -41,12 +46,17 @@ impl<'d> Reader<'d> {
         for node in root.descendants().filter(|n| n.has_attribute("id") && !n.has_tag_name("ref")) {
             let id = reader.substituted(node, "id")?.into_owned();
             if let Some(first) = reader.by_id.get(&id) {
-                let line = document.text_pos_at(first.range().start).row;
+                let line = reader.line(*first);
                 return Err(reader.error(node, format!("the id `{id}` is already taken in line {line}")));
             }
             reader.by_id.insert(id, node);
         }
         Ok(reader)
+    }
+
+    /// The line in which an element starts, counted from 1.
+    pub(super) fn line(&self, node: Node) -> usize {
+        self.lines.partition_point(|start| *start <= node.range().start)
     }
 
     /// An error at an element.

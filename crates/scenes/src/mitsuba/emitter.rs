@@ -58,7 +58,7 @@ impl<'d> Import<'_, 'd> {
     }
 
     fn light(&mut self, plugin: &Plugin, kind: DeltaLight) {
-        let line = plugin.node.document().text_pos_at(plugin.node.range().start).row;
+        let line = self.reader.line(plugin.node);
         let name = plugin.node.attribute("id").map_or_else(|| format!("{} in line {line}", plugin.kind), str::to_owned);
         self.description.lights.push(LightDescription { name, kind });
     }

@@ -22,7 +22,7 @@ impl<'d> Import<'_, 'd> {
         let plugin = Plugin::new(self.reader, node)?;
         let name = match node.attribute("id") {
             Some(id) => id.to_owned(),
-            None => format!("{} in line {}", plugin.kind, node.document().text_pos_at(node.range().start).row),
+            None => format!("{} in line {}", plugin.kind, self.reader.line(node)),
         };
         let mut to_world = plugin.to_world()?;
         let flip = plugin.boolean("flip_normals")?.unwrap_or(false);

@@ -182,6 +182,15 @@ fn places_in_scene_files() {
 }
 
 #[test]
+fn nesting_has_a_bound() {
+    let deep = "<bsdf type=\"twosided\">\n".repeat(100_000) + &"</bsdf>".repeat(100_000);
+    assert_eq!(flaw(&deep), "12:1: BSDFs are nested more than 8 deep");
+    let chain: String =
+        (0..50).map(|i| format!("<bsdf type=\"twosided\" id=\"b{i}\"><ref id=\"b{}\"/></bsdf>\n", i + 1)).collect();
+    assert_eq!(flaw(&format!("{chain}<bsdf type=\"diffuse\" id=\"b50\"/>")), "12:1: BSDFs are nested more than 8 deep");
+}
+
+#[test]
 fn settings_of_sensor_and_integrator() {
     let with = |integrator: &str, sensor: &str| {
         let folder = TempDir::new().unwrap();

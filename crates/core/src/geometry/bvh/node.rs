@@ -1,6 +1,6 @@
 //! What traversal reads from memory.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Children of a node.
 pub(in crate::geometry) const WIDTH: usize = 8;
@@ -76,17 +76,17 @@ impl Node {
 
 /// Up to four triangles, by coordinate.
 #[derive(Clone, Debug)]
-#[repr(C, align(16))]
+#[repr(C)]
 pub(in crate::geometry) struct Pack {
     /// `vertices[vertex][axis][lane]`; NaN in lanes not used, which no test passes.
-    pub vertices: [[[f32; LANES]; 3]; 3],
+    pub vertices: [[Vec4; 3]; 3],
     /// Primitive of each lane.
     pub primitives: [u32; LANES],
 }
 
 impl Pack {
     /// No triangle.
-    pub const EMPTY: Pack = Pack { vertices: [[[f32::NAN; LANES]; 3]; 3], primitives: [u32::MAX; LANES] };
+    pub const EMPTY: Pack = Pack { vertices: [[Vec4::NAN; 3]; 3], primitives: [u32::MAX; LANES] };
 
     pub fn set(&mut self, lane: usize, triangle: [Vec3; 3], primitive: u32) {
         for (vertex, p) in triangle.into_iter().enumerate() {

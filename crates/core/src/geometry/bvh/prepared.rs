@@ -2,11 +2,11 @@
 
 use super::node::{LANES, Node, Pack, WIDTH};
 use crate::{geometry::offset::ROUNDOFF, ray::Ray};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Factor on far distances; twice the 14 units roundoff that the test of a triangle may move what it tests, and room for
 /// the three roundings of the box test itself.
-const STRETCH: f32 = 1.0 + 34.0 * ROUNDOFF;
+pub(super) const STRETCH: f32 = 1.0 + 34.0 * ROUNDOFF;
 
 /// A ray, and what the tests need of it.
 #[derive(Clone, Copy, Debug)]
@@ -26,35 +26,31 @@ pub(in crate::geometry) struct Prepared {
 impl Prepared {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Prepared {
-        let d = ray.direction;
-        let a = d.abs();
-        let z = if a.x >= a.y && a.x >= a.z {
-            0
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
-        let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
-        let scale = 1.0 / d[z];
+        let direction = ray.direction;
+        let d = direction.to_array();
+        let a = direction.abs();
+        let (yz, largest) = if a.y >= a.z { (1, a.y) } else { (2, a.z) };
+        let z: usize = if a.x >= largest { 0 } else { yz };
+        let x = if z == 2 { 0 } else { z + 1 };
+        let y = 3 - z - x;
+        let inverse = [1.0 / d[0], 1.0 / d[1], 1.0 / d[2]];
         Prepared {
             origin: ray.origin.to_array(),
-            direction: d,
-            inverse: [1.0 / d.x, 1.0 / d.y, 1.0 / d.z],
+            direction,
+            inverse,
             // By the sign bit: the inverse of -0.0 is negative infinity.
-            near: [d.x, d.y, d.z].map(|d| usize::from(d.is_sign_negative())),
+            near: [negative(d[0]), negative(d[1]), negative(d[2])],
             axes: [x, y, z],
-            shear: [d[x] / d[z], d[y] / d[z], scale],
+            shear: [d[x] / d[z], d[y] / d[z], inverse[z]],
             t_max: ray.t_max,
         }
     }
 
-    /// Where the tests start: the largest `t` that a box may be entered at, given the best hit so far.
+    /// The largest `t` that a box may be entered at, given the best hit so far.
     #[inline(always)]
     pub fn cutoff(t: f32) -> f32 {
-        // Finite, as a box beside a ray parallel to it is entered at infinity.
-        let stretched = t * STRETCH;
-        if stretched < f32::MAX { stretched } else { f32::MAX }
+        // Finite even when stretched, as a box beside a ray parallel to it is entered at infinity.
+        min(t, 0.5 * f32::MAX)
     }
 
     /// Where the ray enters each box, and eight bytes that are 1 where it does so before `cutoff`, else 0.
@@ -71,39 +67,35 @@ impl Prepared {
         for i in 0..WIDTH {
             // Parallel to a slab and on its boundary: 0 * inf, not a number, which `max` and `min` pass over.
             let near = max((x0[i] - ox) * ix, max((y0[i] - oy) * iy, max((z0[i] - oz) * iz, 0.0)));
-            let far = min((x1[i] - ox) * ix, min((y1[i] - oy) * iy, min((z1[i] - oz) * iz, f32::INFINITY)));
-            // [Ize 2013, sec. 3]
-            let far = min(far * STRETCH, cutoff);
+            let far = min((x1[i] - ox) * ix, min((y1[i] - oy) * iy, min((z1[i] - oz) * iz, cutoff)));
             enter[i] = near;
-            hit[i] = u8::from(near <= far);
+            // [Ize 2013, sec. 3]
+            hit[i] = u8::from(near <= far * STRETCH);
         }
         (enter, u64::from_le_bytes(hit))
     }
 
-    /// The triangles of a pack that the ray's line passes through or, by rounding, may pass through: a byte 1 for each;
-    /// and the three edge functions of each.
+    /// The triangles of a pack that the ray's line passes through or, by rounding, may pass through: a bit for each; and
+    /// the three edge functions of each.
     #[inline(always)]
     pub fn edges(&self, pack: &Pack) -> (Edges, u32) {
         let [x, y, z] = self.axes;
-        let [ox, oy, oz] = [self.origin[x], self.origin[y], self.origin[z]];
-        let [sx, sy, _] = self.shear;
+        let o = &self.origin;
+        let (ox, oy, oz) = (Vec4::splat(o[x]), Vec4::splat(o[y]), Vec4::splat(o[z]));
+        let (sx, sy) = (Vec4::splat(self.shear[0]), Vec4::splat(self.shear[1]));
         let [a, b, c] = &pack.vertices;
-        let (mut u, mut v, mut w) = ([0.0f32; LANES], [0.0f32; LANES], [0.0f32; LANES]);
-        let mut hit = [0u8; LANES];
-        for i in 0..LANES {
-            let (az, bz, cz) = (a[z][i] - oz, b[z][i] - oz, c[z][i] - oz);
-            let (ax, ay) = ((a[x][i] - ox) - sx * az, (a[y][i] - oy) - sy * az);
-            let (bx, by) = ((b[x][i] - ox) - sx * bz, (b[y][i] - oy) - sy * bz);
-            let (cx, cy) = ((c[x][i] - ox) - sx * cz, (c[y][i] - oy) - sy * cz);
-            // [Woop et al. 2013, sec. 3.2]
-            u[i] = cx * by - cy * bx;
-            v[i] = ax * cy - ay * cx;
-            w[i] = bx * ay - by * ax;
-            let least = min(u[i], min(v[i], w[i]));
-            let most = max(u[i], max(v[i], w[i]));
-            hit[i] = u8::from((least >= 0.0) | (most <= 0.0));
-        }
-        (Edges { u, v, w }, u32::from_le_bytes(hit))
+        let (az, bz, cz) = (a[z] - oz, b[z] - oz, c[z] - oz);
+        let (ax, ay) = ((a[x] - ox) - sx * az, (a[y] - oy) - sy * az);
+        let (bx, by) = ((b[x] - ox) - sx * bz, (b[y] - oy) - sy * bz);
+        let (cx, cy) = ((c[x] - ox) - sx * cz, (c[y] - oy) - sy * cz);
+        // [Woop et al. 2013, sec. 3.2]
+        let u = cx * by - cy * bx;
+        let v = ax * cy - ay * cx;
+        let w = bx * ay - by * ax;
+        let zero = Vec4::ZERO;
+        let left = u.cmpge(zero) & v.cmpge(zero) & w.cmpge(zero);
+        let right = u.cmple(zero) & v.cmple(zero) & w.cmple(zero);
+        (Edges { u: u.to_array(), v: v.to_array(), w: w.to_array() }, (left | right).bitmask())
     }
 
     /// Decides about one of the triangles that [`Prepared::edges`] leaves: (t, u, v) of a hit in (0, t_max).
@@ -118,16 +110,19 @@ impl Prepared {
         }
         let determinant = u + v + w;
         // Zero: the line lies in the triangle's plane. Not a number: a lane not used.
-        if !(determinant != 0.0) || determinant.is_nan() {
+        if determinant == 0.0 || determinant.is_nan() {
             return None;
         }
         let z = self.axes[2];
-        let [a, b, c] = pack.vertices.map(|p| (p[z][lane] - self.origin[z]) * self.shear[2]);
+        let [a, b, c] = &pack.vertices;
+        let (o, scale) = (self.origin[z], self.shear[2]);
+        let (a, b, c) = ((a[z][lane] - o) * scale, (b[z][lane] - o) * scale, (c[z][lane] - o) * scale);
         let inverse = 1.0 / determinant;
-        let (u, v, w) = (u * inverse, v * inverse, w * inverse);
-        let t = u * a + v * b + w * c;
+        let (v, w) = (v * inverse, w * inverse);
         let least = min(a, min(b, c));
         let most = max(a, max(b, c));
+        // From one vertex on, so that a plane at right angles to the axis has one distance exactly.
+        let t = min(max(a + (v * (b - a) + w * (c - a)), least), most);
         // `t` is a mean of the vertices' distances: between those there is no doubt on which side of either end it lies.
         let t = if least > 0.0 && most * STRETCH < self.t_max { t } else { self.exact_t(pack, lane, most)? };
         (t > 0.0 && t < self.t_max).then_some((t, v, w))
@@ -171,6 +166,12 @@ pub(in crate::geometry) struct Edges {
     u: [f32; LANES],
     v: [f32; LANES],
     w: [f32; LANES],
+}
+
+/// 1 for a negative number, -0.0 included, else 0.
+#[inline(always)]
+fn negative(x: f32) -> usize {
+    (x.to_bits() >> 31) as usize
 }
 
 /// The larger of the two; `b` if either is not a number. One instruction, unlike [`f32::max`].

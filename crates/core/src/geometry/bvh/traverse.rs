@@ -1,10 +1,12 @@
 //! Walking the hierarchy.
 
-use super::{Bvh, Child, Prepared, node::WIDTH};
-use crate::geometry::{Hit, NO_INSTANCE};
+use super::{Bvh, Child, Prepared, node::WIDTH, prepared::STRETCH};
+use crate::geometry::{Hit, NO_INSTANCE, dispatch::prefetch};
 
-/// Entries of the stack that a walk keeps in its frame; a deeper hierarchy takes one from the heap.
-const INLINE_STACK: usize = 96;
+/// Entries of the stack in the frame of a walk through a flat hierarchy, kept small because it is cleared for each ray.
+const SMALL_STACK: usize = 32;
+/// The same for deeper ones; what needs more takes its stack from the heap.
+const LARGE_STACK: usize = 128;
 
 /// The best hit so far, and how far it is still worth looking.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +52,10 @@ impl Bvh {
         other: impl FnMut(Child, &mut Best) -> bool,
     ) -> bool {
         let Some(root) = self.root else { return false };
-        if self.stack <= INLINE_STACK {
-            self.walk_with::<ANY, OTHER>(&mut [0; INLINE_STACK], root, ray, instance, best, other)
+        if self.stack <= SMALL_STACK {
+            self.walk_with::<ANY, OTHER>(&mut [0; SMALL_STACK], root, ray, instance, best, other)
+        } else if self.stack <= LARGE_STACK {
+            self.walk_with::<ANY, OTHER>(&mut [0; LARGE_STACK], root, ray, instance, best, other)
         } else {
             self.walk_with::<ANY, OTHER>(&mut vec![0; self.stack], root, ray, instance, best, other)
         }
@@ -89,6 +93,8 @@ impl Bvh {
                         continue;
                     }
                     let bottom = top;
+                    // One of them comes next; by the time the others do, they have arrived.
+                    self.prefetch::<OTHER>(node.children[slot]);
                     let mut entry = pack(enter[slot], node.children[slot]);
                     loop {
                         // Insertion, the nearest on top: few are hit at a time.
@@ -106,6 +112,7 @@ impl Bvh {
                         }
                         let slot = (hits.trailing_zeros() / 8) as usize % WIDTH;
                         hits &= hits - 1;
+                        self.prefetch::<OTHER>(node.children[slot]);
                         entry = pack(enter[slot], node.children[slot]);
                     }
                 }
@@ -117,11 +124,25 @@ impl Bvh {
                 }
                 top -= 1;
                 let entry = stack[top];
-                if ANY || f32::from_bits((entry >> 32) as u32) <= best.cutoff {
+                if ANY || f32::from_bits((entry >> 32) as u32) <= best.hit.t * STRETCH {
                     at = Child(entry as u32);
                     break;
                 }
             }
+        }
+    }
+
+    /// Brings near what a slot refers to.
+    #[inline(always)]
+    fn prefetch<const OTHER: bool>(&self, child: Child) {
+        if !child.is_leaf() {
+            if let Some(node) = self.nodes.get(child.index()) {
+                prefetch(node);
+            }
+        } else if !(OTHER && child.is_other())
+            && let Some(triangles) = self.packs.get(child.index())
+        {
+            prefetch(triangles);
         }
     }
 
@@ -131,7 +152,7 @@ impl Bvh {
         let triangles = &self.packs[at.index()];
         let (edges, mut hits) = ray.edges(triangles);
         while hits != 0 {
-            let lane = (hits.trailing_zeros() / 8) as usize;
+            let lane = hits.trailing_zeros() as usize;
             hits &= hits - 1;
             if let Some((t, u, v)) = ray.decide(triangles, &edges, lane) {
                 if ANY {
