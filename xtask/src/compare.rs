@@ -53,7 +53,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Error> {
     }
     let not_finite: Vec<NotFinite> = [(&image, &args.image), (&reference, &args.reference)]
         .into_iter()
-        .flat_map(|(picture, path)| channels_not_finite(picture, path, &inside))
+        .flat_map(|(picture, path)| channels_not_finite(picture, path, inside))
         .collect();
     let error = not_finite.is_empty().then(|| ImageError::new(&a, &b));
     let comparison = Comparison {

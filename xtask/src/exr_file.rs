@@ -7,10 +7,11 @@ use crate::{
 };
 use etendue_core::rgb::Rgb;
 use exr::{
-    image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer},
+    compression::Compression,
+    image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer},
     meta::{
         MetaData,
-        attribute::{AttributeValue, Text},
+        attribute::{AttributeValue, LineOrder, Text},
         header::LayerAttributes,
     },
     prelude::{ReadChannels, ReadLayers, WritableImage},
@@ -44,6 +45,9 @@ pub struct ExrFile {
     pub attributes: BTreeMap<String, Attribute>,
 }
 
+/// What every program reads: lines from the top, compressed by deflate.
+const ENCODING: Encoding =
+    Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 /// The most pixels of a file that is read.
 const MOST_PIXELS: u64 = 1 << 27;
 /// No OpenEXR compression of real images comes near this ratio; a header that claims more is not believed.
@@ -76,8 +80,8 @@ impl ExrFile {
         let channel = |(name, values): (&String, &Vec<f32>)| {
             AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(values.clone()))
         };
-        let mut attributes = LayerAttributes::default();
-        attributes.software_name = Some(Text::from(concat!("etendue ", env!("CARGO_PKG_VERSION"))));
+        let software = Text::from(concat!("etendue ", env!("CARGO_PKG_VERSION")));
+        let mut attributes = LayerAttributes { software_name: Some(software), ..LayerAttributes::default() };
         for (name, value) in &self.attributes {
             let value = match value {
                 Attribute::Text(t) => AttributeValue::Text(Text::from(t.as_str())),
@@ -88,7 +92,7 @@ impl ExrFile {
         }
         let channels = AnyChannels::sort(self.channels.iter().map(channel).collect());
         let size = (self.size.x as usize, self.size.y as usize);
-        let image = Image::from_layer(Layer::new(size, attributes, Encoding::SMALL_FAST_LOSSLESS, channels));
+        let image = Image::from_layer(Layer::new(size, attributes, ENCODING, channels));
         let mut bytes = Cursor::new(Vec::new());
         // Encoded in memory: the encoder seeks, and what can fail on disk is then one plain write.
         let encoded = image.write().to_buffered(&mut bytes).map_err(io::Error::other);

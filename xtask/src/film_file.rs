@@ -1,6 +1,6 @@
 //! Film files: a render's sums without a loss, so that it can be resumed, and rendered in parts.
 //!
-//! Layout, all numbers little-endian: the 16 bytes of [`MAGIC`]; `u32` length of the header; the header, JSON; for each
+//! Layout, all numbers little-endian: the 16 bytes `etendue film 1\r\n`; `u32` length of the header; the header, JSON; for each
 //! pixel, row by row from the top, three `i128` sums, three `i128` sums of squares and a `u32` count; the `u64` FNV-1a
 //! hash of everything before it.
 

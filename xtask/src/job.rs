@@ -283,4 +283,15 @@ mod tests {
         let direct = Job::load("cornell", &Wish { parts: vec!["direct".into()], ..wish }).unwrap().key;
         assert!(key.difference(&direct).unwrap().starts_with("parts"));
     }
+
+    #[test]
+    fn an_invalid_scene_is_refused_by_name() {
+        let wish = crate::reference::wish(Some(Size::Longest(8)), None);
+        let mut job = Job::load("cornell", &wish).unwrap();
+        job.scene.description.objects[0].material = usize::MAX;
+        let object = job.scene.description.objects[0].name.clone();
+        let error = job.build(1, 0).err().unwrap();
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().starts_with("cornell: ") && error.to_string().contains(&object), "{error}");
+    }
 }

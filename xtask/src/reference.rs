@@ -111,11 +111,11 @@ impl Reference {
     }
 }
 
-/// What is known to be hard for path tracing, by the scene's census.
+/// What to know of a path-traced reference, by the scene's census.
 fn caution(has_caustics: bool) -> &'static str {
     if has_caustics {
-        "path tracing finds the caustics of this scene by chance alone and does not converge there; \
-         the stated error is too small where it has not found them yet"
+        "things in this scene can cast caustics; path tracing finds those of small lights by chance alone and does not \
+         converge there, and the stated error is too small where it has not found them yet"
     } else {
         ""
     }

@@ -1,7 +1,7 @@
 //! The list of samplers: a new one is one line here.
 
 use crate::error::Error;
-use etendue_core::{independent::Independent, sampler::SamplerBuilder};
+use etendue_core::{independent::independent, sampler::SamplerBuilder};
 
 /// A sampler as it is listed.
 pub struct SamplerInfo {
@@ -12,8 +12,7 @@ pub struct SamplerInfo {
 }
 
 /// Every sampler that the command line knows.
-pub static SAMPLERS: &[SamplerInfo] =
-    &[SamplerInfo { name: "independent", build: |seed, _| Box::new(Independent::new(seed)) }];
+pub static SAMPLERS: &[SamplerInfo] = &[SamplerInfo { name: "independent", build: independent }];
 
 /// The sampler of a name.
 pub fn find(name: &str) -> Result<&'static SamplerInfo, Error> {

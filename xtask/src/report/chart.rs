@@ -32,7 +32,7 @@ pub struct Chart<'a> {
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 430.0;
 /// Left, right, top and bottom of the plot.
-const PLOT: (f64, f64, f64, f64) = (66.0, 700.0, 16.0, 382.0);
+const PLOT: (f64, f64, f64, f64) = (82.0, 704.0, 16.0, 382.0);
 
 /// A logarithmic axis: from values to pixels.
 struct Axis {
@@ -87,8 +87,12 @@ fn time_mark(value: f64) -> String {
 pub fn svg(chart: &Chart) -> String {
     let (left, right, top, bottom) = PLOT;
     let all = || chart.curves.iter().flat_map(|c| c.points);
-    let errors = all().flat_map(|p| [p.relmse.0, p.relmse.2]);
-    let (Some(x), Some(y)) = (Axis::of(all().map(|p| p.seconds), left, right), Axis::of(errors, bottom, top)) else {
+    let errors = || all().flat_map(|p| [p.relmse.0, p.relmse.2]).filter(|e| *e > 0.0);
+    // What is less than two decades below the curves is shown with them.
+    let least = errors().fold(f64::INFINITY, f64::min);
+    let marks = chart.targets.iter().map(|t| t.0).chain(chart.noise).filter(|m| (0.01 * least..least).contains(m));
+    let y = Axis::of(errors().chain(marks.filter(|_| least.is_finite())), bottom, top);
+    let (Some(x), Some(y)) = (Axis::of(all().map(|p| p.seconds), left, right), y) else {
         return "<p class=\"none\">No checkpoint has an error above zero: there is nothing to draw.</p>".into();
     };
     let mut s = format!(
@@ -144,7 +148,7 @@ fn axes(s: &mut String, x: &Axis, y: &Axis) {
     put(s, format_args!("<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/>"));
     let (mx, my) = (0.5 * (left + right), 0.5 * (top + bottom));
     put(s, format_args!("<text class=\"axis\" x=\"{mx}\" y=\"{}\">seconds, building included</text>", bottom + 40.0));
-    put(s, format_args!("<text class=\"axis\" transform=\"translate(16 {my}) rotate(-90)\">relMSE</text>"));
+    put(s, format_args!("<text class=\"axis\" transform=\"translate(18 {my}) rotate(-90)\">relMSE</text>"));
 }
 
 /// A line of slope -1 through the first curve's last point: what independent samples promise.

@@ -134,10 +134,20 @@ fn legend_entry(index: usize, series: &Series) -> String {
 }
 
 fn census(section: &Section) -> String {
-    let line = |l: &str| format!("<li>{}</li>", escape(l.trim()));
+    let line = |l: &str| {
+        let class = if is_absent(l) { " class=\"absent\"" } else { "" };
+        format!("<li{class}>{}</li>", escape(l.trim()))
+    };
     let lines: String = section.facts.census.lines().filter(|l| !l.trim().is_empty()).map(line).collect();
     let notes: String = section.facts.notes.iter().map(|n| format!("<p class=\"warn\">{}</p>", escape(n))).collect();
     format!("<h3>What the scene calls for</h3><ul class=\"census\">{lines}</ul>{notes}")
+}
+
+/// Whether a line of the census says that there is none of something: `instances: 0`, `environment: none`.
+fn is_absent(line: &str) -> bool {
+    let value = line.split_once(':').map_or("", |(_, value)| value.trim());
+    let zeros = |v: &str| !v.is_empty() && v.split(',').all(|n| matches!(n.split_whitespace().next(), Some("0")));
+    value.starts_with("none") || zeros(value)
 }
 
 fn reference(section: &Section) -> String {
@@ -197,7 +207,7 @@ fn errors(section: &Section) -> String {
     format!(
         "<h3>Time to reach an error</h3><div class=\"scroll\"><table><thead><tr><th>technique</th>{targets}\
          <th class=\"n\">slope of relMSE over passes, 95 % interval</th></tr></thead><tbody>{reach}</tbody></table></div>\
-         <h3>Errors at the end</h3><div class=\"scroll\"><table><thead><tr><th>technique</th>{head}</tr></thead>\
+         <h3>Errors at the end</h3><div class=\"scroll\"><table class=\"dense\"><thead><tr><th>technique</th>{head}</tr></thead>\
          <tbody>{rows}</tbody></table></div>\
          <p class=\"note\">Of the replicate with the median relMSE. Trimmed: without the worst 0.1 % of the pixels, which hold \
          the share of the error beside it. Bias² (an estimate that scatters about 0 where there is none, with the \
@@ -242,4 +252,19 @@ fn about(run: &RunFacts) -> String {
         if run.threads == 1 { "" } else { "s" },
         escape(&run.processor)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_absent;
+
+    #[test]
+    fn what_a_scene_lacks_is_seen() {
+        for line in ["instances: 0", "point, spot, directional lights: 0, 0, 0", "caustics: none (0 casters)"] {
+            assert!(is_absent(line), "{line}");
+        }
+        for line in ["triangles: 36", "lights: 0, 1, 0", "lens: pinhole", "nothing", "lambert: 10 objects"] {
+            assert!(!is_absent(line), "{line}");
+        }
+    }
 }

@@ -163,7 +163,7 @@ impl References {
         Ok(Found { reference, hash })
     }
 
-    /// The reference of a scene, by its hash, as [`References::keep`] left it.
+    /// The reference of a scene, by its hash, as it was kept.
     pub fn read(&self, scene_hash: &str, depth: u32, reference: &str) -> Result<(Reference, SceneFacts), Error> {
         let name = facts_name(scene_hash, depth, reference);
         let path = self.folder.join(format!("{name}.json"));

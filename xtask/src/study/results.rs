@@ -216,7 +216,7 @@ fn json_line(line: &Line) -> String {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A cell whose error falls as 1 / passes from a start.

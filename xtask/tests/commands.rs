@@ -1,0 +1,267 @@
+//! The commands as a user types them.
+
+use assert_cmd::{Command, assert::Assert};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+use tempfile::TempDir;
+
+fn xtask(folder: &Path, arguments: &[&str]) -> Assert {
+    Command::new(env!("CARGO_BIN_EXE_xtask")).current_dir(folder).args(arguments).assert()
+}
+
+/// Runs with `--json` and returns what stands alone on standard output.
+fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let arguments = [arguments, &["--json"]].concat();
+    let output = xtask(folder, &arguments).success().get_output().stdout.clone();
+    serde_json::from_slice(&output).unwrap()
+}
+
+/// What the command says when it refuses: one line, exit code 2, no panic.
+fn refusal(folder: &Path, arguments: &[&str]) -> String {
+    let output = xtask(folder, arguments).code(2).get_output().clone();
+    assert!(output.stdout.is_empty(), "{arguments:?} printed something");
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(text.starts_with("error: ") && !text.contains("panicked"), "{arguments:?}: {text}");
+    text
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn read(folder: &TempDir, name: &str) -> xtask::exr_file::ExrFile {
+    xtask::exr_file::ExrFile::read(&folder.path().join(name)).unwrap()
+}
+
+const TINY: [&str; 4] = ["render", "cornell", "--size", "16x12"];
+
+fn render(folder: &TempDir, more: &[&str]) -> serde_json::Value {
+    json(folder.path(), &[&TINY, more].concat())
+}
+
+#[test]
+fn every_command_helps() {
+    let folder = folder();
+    xtask(folder.path(), &["--help"]).success();
+    for command in ["study", "render", "merge", "compare", "reference", "scenes", "techniques", "check"] {
+        let output = xtask(folder.path(), &[command, "--help"]).success().get_output().stdout.clone();
+        assert!(String::from_utf8(output).unwrap().contains("Examples:"), "{command}");
+    }
+}
+
+#[test]
+fn lists() {
+    let folder = folder();
+    let names = |list: serde_json::Value| -> Vec<String> {
+        list.as_array().unwrap().iter().map(|e| e["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let scenes = names(json(folder.path(), &["scenes"]));
+    for scene in xtask::cli::QUICK_SCENES {
+        assert!(scenes.iter().any(|s| s == scene), "{scene}");
+    }
+    assert!(names(json(folder.path(), &["techniques"])).contains(&"path".to_owned()));
+    xtask(folder.path(), &["scenes"]).success();
+    xtask(folder.path(), &["techniques"]).success();
+    let steps = xtask(folder.path(), &["check", "--list"]).success().get_output().stdout.clone();
+    assert!(String::from_utf8(steps).unwrap().contains("cargo clippy"));
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let folder = folder();
+    let at = |name: &str| -> PathBuf { folder.path().join(name) };
+    render(&folder, &["--passes", "2", "--out", "good.exr"]);
+    json(folder.path(), &["render", "cornell", "--size", "8x8", "--passes", "1", "--out", "small.exr"]);
+    let good = fs::read(at("good.exr")).unwrap();
+    fs::write(at("cut.exr"), &good[..good.len() / 2]).unwrap();
+    fs::write(at("empty.exr"), []).unwrap();
+    let film = fs::read(at("good.film")).unwrap();
+    fs::write(at("cut.film"), &film[..film.len() - 100]).unwrap();
+    fs::write(at("noise.film"), vec![7; 4096]).unwrap();
+    fs::write(at("broken.xml"), "<scene version=\"3.0.0\"><nonesuch/></scene>").unwrap();
+    fs::write(at("mask.png"), b"not a png").unwrap();
+    let table: &[(&[&str], &[&str])] = &[
+        (&["compare", "missing.exr", "good.exr"], &["missing.exr"]),
+        (&["compare", "cut.exr", "good.exr"], &["cut.exr"]),
+        (&["compare", "good.exr", "empty.exr"], &["empty.exr"]),
+        (&["compare", "good.exr", "broken.xml"], &["broken.xml"]),
+        (&["compare", "good.exr", "small.exr"], &["16x12", "8x8"]),
+        (&["compare", "good.exr", "good.exr", "--mask", "mask.png"], &["mask.png"]),
+        (&["compare", "good.exr", "good.exr", "--mask", "small.exr"], &["small.exr", "8x8"]),
+        (&["compare", "good.exr", "good.exr", "--out", "no/where/a.png"], &["no/where"]),
+        (&["render", "nonesuch"], &["nonesuch"]),
+        (&["render", "missing.xml"], &["missing.xml"]),
+        (&["render", "broken.xml"], &["broken.xml", "nonesuch"]),
+        (&["render", "many-lights:n=none"], &["none"]),
+        (&["render", "many-lights:m=3"], &["m"]),
+        (&["render", "cornell", "--technique", "nonesuch"], &["nonesuch", "path"]),
+        (&["render", "cornell", "--sampler", "nonesuch"], &["nonesuch", "independent"]),
+        (&["render", "cornell", "--knob", "nonesuch=1"], &["nonesuch"]),
+        (&["render", "cornell", "--knob", "nonesuch"], &["nonesuch"]),
+        (&["render", "cornell", "--parts", "direct,nonesuch"], &["nonesuch"]),
+        (&["render", "cornell", "--size", "0x0"], &["0x0", "at least 1"]),
+        (&["render", "cornell", "--size", "100000x100000"], &["100000x100000"]),
+        (&["render", "cornell", "--depth", "0"], &["depth"]),
+        (&["render", "cornell", "--passes", "0"], &["passes"]),
+        (&["render", "cornell", "--seconds=-1"], &["seconds"]),
+        (&["render", "cornell", "--seconds", "NaN"], &["seconds"]),
+        (&["render", "cornell", "--first-pass", "4294967295", "--passes", "2"], &["first-pass"]),
+        (&["render", "cornell", "--out", "no/where/a.exr"], &["no/where"]),
+        (&["render", "cornell", "--out", "a.tiff"], &["a.tiff", ".exr"]),
+        (&["merge", "m.exr", "missing.film"], &["missing.film"]),
+        (&["merge", "m.exr", "cut.film"], &["cut.film", "truncated"]),
+        (&["merge", "m.exr", "noise.film"], &["noise.film", "not a film"]),
+        (&["merge", "m.exr", "good.film", "good.film"], &["good.film", "pass 0 of seed 0"]),
+        (&["merge", "m.exr", "good.film", "small.film"], &["small.film", "size"]),
+        (&["merge", "no/where/m.exr", "good.film"], &["no/where"]),
+        (&["study", "--scenes", "cornell,nonesuch", "--out", "s"], &["nonesuch"]),
+        (&["study", "--scenes", "cornell", "--techniques", "nonesuch", "--out", "s"], &["nonesuch"]),
+        (&["study", "--scenes", "cornell", "--reference", "missing.exr", "--out", "s"], &["missing.exr"]),
+        (&["study", "--scenes", "cornell", "--reference", "good.exr", "--size", "8", "--out", "s"], &["16x12", "8x8"]),
+        (&["study", "--scenes", "cornell,sky", "--reference", "good.exr", "--out", "s"], &["--reference"]),
+        (&["study", "--scenes", "cornell", "--out", "good.exr/s"], &["good.exr/s"]),
+        (&["reference", "--scenes", "nonesuch", "--out", "r"], &["nonesuch"]),
+        (&["nonesuch"], &["nonesuch"]),
+    ];
+    for (arguments, said) in table {
+        let text = refusal(folder.path(), arguments);
+        for word in *said {
+            assert!(text.contains(word), "{arguments:?} should say `{word}`: {text}");
+        }
+    }
+    let leftovers = fs::read_dir(folder.path())
+        .unwrap()
+        .filter(|e| e.as_ref().unwrap().file_name().to_string_lossy().starts_with(".etendue"));
+    assert_eq!(leftovers.count(), 0);
+}
+
+#[test]
+fn a_render_says_where_it_comes_from_and_what_it_cost() {
+    use xtask::exr_file::Attribute;
+    let folder = folder();
+    let report =
+        render(&folder, &["--passes", "3", "--seed", "18446744073709551615", "--depth", "4", "--out", "a.exr"]);
+    assert_eq!((&report["passes"], &report["depth"], &report["width"]), (&3.into(), &4.into(), &16.into()));
+    assert_eq!(report["rays"]["camera"], 3 * 16 * 12);
+    for positive in ["seconds", "cpu_seconds", "rays_per_second", "rays_total"] {
+        assert!(report[positive].as_f64().unwrap() > 0.0, "{positive}");
+    }
+    assert_eq!((&report["rejected"], &report["interrupted"]), (&0.into(), &false.into()));
+    let file = read(&folder, "a.exr");
+    let text = |t: &str| Attribute::Text(t.into());
+    assert_eq!(file.attributes["scene"], text("cornell"));
+    assert_eq!(file.attributes["technique"], text("path"));
+    assert_eq!(file.attributes["seed"], text("18446744073709551615"));
+    assert_eq!(file.attributes["passes"], Attribute::Whole(3));
+    assert_eq!(file.attributes["depth"], Attribute::Whole(4));
+    assert!(matches!(file.attributes["seconds"], Attribute::Number(s) if s > 0.0));
+    let png = image::open(folder.path().join("a.png")).unwrap();
+    assert_eq!((png.width(), png.height()), (16, 12));
+}
+
+#[test]
+fn parts_rendered_apart_have_the_bits_of_one_render() {
+    let folder = folder();
+    render(&folder, &["--passes", "8", "--out", "whole.exr", "--threads", "1"]);
+    render(&folder, &["--passes", "4", "--out", "a.exr", "--threads", "2"]);
+    render(&folder, &["--first-pass", "4", "--passes", "4", "--out", "b.exr", "--threads", "2"]);
+    let report = json(folder.path(), &["merge", "merged.exr", "b.film", "a.film"]);
+    assert_eq!(report["runs"], serde_json::json!([{ "seed": 0, "first": 0, "end": 8 }]));
+    let (whole, merged) = (read(&folder, "whole.exr"), read(&folder, "merged.exr"));
+    assert_eq!(whole.channels, merged.channels);
+    assert_ne!(whole.channels, read(&folder, "a.exr").channels);
+    // Another seed is other passes, and adds up too.
+    render(&folder, &["--seed", "1", "--passes", "8", "--out", "c.exr"]);
+    let report = json(folder.path(), &["merge", "more.exr", "merged.film", "c.film"]);
+    assert_eq!(report["passes"], 16);
+    assert!(refusal(folder.path(), &["merge", "m.exr", "whole.film", "b.film"]).contains("pass 4 of seed 0"));
+}
+
+#[test]
+fn a_resumed_render_has_the_bits_of_one_render() {
+    let folder = folder();
+    render(&folder, &["--passes", "6", "--out", "whole.exr"]);
+    let first = render(&folder, &["--passes", "2", "--out", "a.exr", "--resume"]);
+    assert_eq!(first["passes"], 2);
+    let all = render(&folder, &["--passes", "6", "--out", "a.exr", "--resume"]);
+    assert_eq!(all["passes"], 6);
+    assert!(all["seconds"].as_f64() > first["seconds"].as_f64());
+    assert_eq!(read(&folder, "a.exr").channels, read(&folder, "whole.exr").channels);
+    // Nothing is left to do.
+    assert_eq!(render(&folder, &["--passes", "6", "--out", "a.exr", "--resume"])["passes"], 6);
+    for (option, value, said) in [("--seed", "5", "seed"), ("--depth", "3", "depth"), ("--size", "8x8", "size")] {
+        let arguments = ["render", "cornell", "--size", "16x12", "--out", "a.exr", "--resume", option, value];
+        let arguments =
+            if option == "--size" { [&arguments[..2], &arguments[4..]].concat() } else { arguments.to_vec() };
+        assert!(refusal(folder.path(), &arguments).contains(said), "{option}");
+    }
+    let film = fs::read(folder.path().join("a.film")).unwrap();
+    fs::write(folder.path().join("a.film"), &film[..film.len() - 1]).unwrap();
+    assert!(refusal(folder.path(), &[&TINY[..], &["--out", "a.exr", "--resume"]].concat()).contains("a.film"));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_is_saved_and_goes_on() {
+    let folder = folder();
+    let arguments = [&TINY[..], &["--passes", "100000000", "--out", "a.exr", "--json"]].concat();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_xtask"));
+    let command = command.current_dir(folder.path()).args(&arguments).stdout(std::process::Stdio::piped());
+    let child = command.spawn().unwrap();
+    // Whenever the signal comes, something must be right: before the handler stands it ends the process, before the first
+    // pass nothing is saved. A second is ample for some passes of so few pixels, and what comes is checked below.
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{:?}", output.status);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["interrupted"], true);
+    let passes = report["passes"].as_u64().unwrap();
+    let target = (passes + 3).to_string();
+    assert_eq!(render(&folder, &["--passes", &target, "--out", "a.exr", "--resume"])["passes"], passes + 3);
+}
+
+#[test]
+fn comparison_gives_the_figures_and_names_what_is_no_number() {
+    let folder = folder();
+    let size = glam::UVec2::new(4, 2);
+    let write = |name: &str, pixel: [f32; 3], bad: Option<f32>| {
+        let mut file = xtask::exr_file::ExrFile { size, ..Default::default() };
+        file.add_layer("", std::iter::repeat_n(pixel, 8));
+        if let Some(bad) = bad {
+            file.channels.get_mut("G").unwrap()[6] = bad;
+        }
+        file.write(&folder.path().join(name)).unwrap();
+    };
+    write("a.exr", [1.5; 3], None);
+    write("b.exr", [1.0; 3], None);
+    write("nan.exr", [1.0; 3], Some(f32::NAN));
+    let report = json(folder.path(), &["compare", "a.exr", "b.exr", "--out", "map.png"]);
+    let close = |name: &str, value: f64| {
+        assert!((report[name].as_f64().unwrap() - value).abs() < 1e-12, "{name}: {}", report[name]);
+    };
+    close("mse", 0.25);
+    close("relmse", 0.25 / 1.01);
+    close("relmse_trimmed", 0.25 / 1.01);
+    close("trimmed_share", 0.0);
+    close("smape", 0.5 / 2.51);
+    close("mean_error", 0.5);
+    close("mean_error_relative", 0.5);
+    assert!(folder.path().join("map.png").exists());
+
+    let output = xtask(folder.path(), &["compare", "nan.exr", "b.exr", "--json"]).code(1).get_output().clone();
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(report["mse"].is_null());
+    assert_eq!((&report["not_finite"][0]["channel"], &report["not_finite"][0]["nan"]), (&"G".into(), &1.into()));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("nan.exr: channel G holds 1 NaN") && said.contains("x 2, y 1"), "{said}");
+
+    // Outside the mask nothing is looked at.
+    let mut mask = image::RgbImage::from_pixel(4, 2, image::Rgb([255; 3]));
+    mask.put_pixel(2, 1, image::Rgb([0; 3]));
+    mask.save(folder.path().join("mask.png")).unwrap();
+    let report = json(folder.path(), &["compare", "nan.exr", "b.exr", "--mask", "mask.png"]);
+    assert_eq!((&report["pixels"], &report["mse"]), (&7.into(), &0.0.into()));
+}
