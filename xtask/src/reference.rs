@@ -25,8 +25,8 @@ use std::{
 pub const DEFAULT_SIZE: Size = Size::Longest(128);
 /// Prefix of the channels that hold the variance of the mean.
 const VARIANCE: &str = "variance.";
-/// Which of the seeds drawn from a seed is the references'; replicates have the small numbers.
-const SEED_INDEX: u64 = u64::MAX;
+/// Which of the seeds drawn from a seed is the references': one past the replicates', whose numbers have 32 bits.
+const SEED_INDEX: u64 = 1 << 32;
 /// Seconds a scene when nothing is said.
 const DEFAULT_SECONDS: f64 = 60.0;
 /// Fewest passes from which a variance is told.

@@ -21,6 +21,8 @@ pub struct Point {
     pub seconds: f64,
     /// Least, median and greatest relMSE.
     pub relmse: (f64, f64, f64),
+    /// Median of the trimmed relMSE.
+    pub trimmed: f64,
     /// The line of the replicate whose relMSE is the (lower) median.
     pub typical: Line,
 }
@@ -81,6 +83,7 @@ pub fn points(cells: &[&Cell]) -> Vec<Point> {
             replicates: lines.len(),
             seconds: median(lines.iter().map(|l| l.seconds)),
             relmse: (first.relmse, median(lines.iter().map(|l| l.relmse)), last.relmse),
+            trimmed: median(lines.iter().map(|l| l.relmse_trimmed)),
             typical: lines[(lines.len() - 1) / 2].clone(),
         }
     };

@@ -87,7 +87,7 @@ fn time_mark(value: f64) -> String {
 pub fn svg(chart: &Chart) -> String {
     let (left, right, top, bottom) = PLOT;
     let all = || chart.curves.iter().flat_map(|c| c.points);
-    let errors = || all().flat_map(|p| [p.relmse.0, p.relmse.2]).filter(|e| *e > 0.0);
+    let errors = || all().flat_map(|p| [p.relmse.0, p.relmse.2, p.trimmed]).filter(|e| *e > 0.0);
     // What is less than two decades below the curves is shown with them.
     let least = errors().fold(f64::INFINITY, f64::min);
     let marks = chart.targets.iter().map(|t| t.0).chain(chart.noise).filter(|m| (0.01 * least..least).contains(m));
@@ -182,6 +182,8 @@ fn draw_curve(s: &mut String, index: usize, curve: &Curve, x: &Axis, y: &Axis) {
     let upper = points.iter().map(|p| (x.at(p.seconds), y.at(p.relmse.2)));
     let lower = points.iter().rev().map(|p| (x.at(p.seconds), y.at(p.relmse.0)));
     put(s, format_args!("<polygon class=\"band\" points=\"{}\"/>", path(&upper.chain(lower).collect::<Vec<_>>())));
+    let trimmed = points.iter().filter(|p| p.trimmed > 0.0).map(|p| (x.at(p.seconds), y.at(p.trimmed)));
+    put(s, format_args!("<polyline class=\"trimmed\" points=\"{}\"/>", path(&trimmed.collect::<Vec<_>>())));
     let middle: Vec<_> = points.iter().map(|p| (x.at(p.seconds), y.at(p.relmse.1))).collect();
     put(s, format_args!("<polyline class=\"median\" points=\"{}\"/>", path(&middle)));
     for (p, (px, py)) in points.iter().zip(middle) {
@@ -218,6 +220,7 @@ mod tests {
         let document = roxmltree::Document::parse(&svg).unwrap();
         let count = |class: &str| document.descendants().filter(|n| n.attribute("class") == Some(class)).count();
         assert_eq!((count("band"), count("median"), count("guide"), count("noise")), (1, 1, 2, 2));
+        assert_eq!(count("trimmed"), 1);
         assert_eq!(document.descendants().filter(|n| n.has_tag_name("circle")).count(), 6);
         assert!(svg.contains("10 %") && !svg.contains("never"));
         for n in document.descendants() {

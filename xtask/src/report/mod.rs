@@ -232,7 +232,7 @@ impl SummaryRow {
             (None, _) => "none".into(),
         };
         let after = human_seconds(self.seconds);
-        let (scene, technique) = (&self.scene, &self.technique);
+        let (scene, technique) = (text::short_scene(&self.scene), &self.technique);
         format!("{scene:<22} {technique:<12} {:>10.2e} {after:>9} {a:>12} {b:>12} {c:>12}  {slope}", self.relmse)
     }
 }

@@ -7,7 +7,7 @@ use crate::{
         analysis::{Reach, SlopeFit},
         chart::{self, Chart, Curve},
         images, reach_text,
-        text::{bytes, count, escape, number, percent, png_url},
+        text::{bytes, count, escape, number, percent, png_url, short_scene},
     },
 };
 
@@ -56,7 +56,7 @@ fn summary_rows(index: usize, section: &Section) -> String {
     let head = format!(
         "<td class=\"thumb\" rowspan=\"{n}\"><img src=\"{thumbnail}\" alt=\"\"></td>\
          <td rowspan=\"{n}\"><a href=\"#scene{index}\">{}</a></td>",
-        escape(&section.facts.scene)
+        escape(short_scene(&section.facts.scene))
     );
     let row = |(i, s): (usize, &Series)| {
         let end = s.end();
@@ -109,9 +109,10 @@ fn section(index: usize, section: &Section) -> String {
     let figures: String = section.series.iter().map(|s| images::figure(section, s)).collect();
     format!(
         "<section class=\"card\" id=\"scene{index}\"><h2>{} <small>{}×{}, {depth}</small></h2>\
-         <div class=\"top\"><div class=\"plot\"><div class=\"legend\">{legend}</div>{chart}</div>\
+         <div class=\"top\"><div class=\"plot\"><div class=\"legend\">{legend}</div>{chart}\
+         <p class=\"note\">Dashed, without the worst 0.1 % of the pixels: far below the line, few pixels hold the error.</p></div>\
          <aside>{}{}</aside></div>{figures}{}{}</section>",
-        escape(&f.scene),
+        escape(short_scene(&f.scene)),
         f.width,
         f.height,
         census(section),

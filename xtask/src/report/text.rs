@@ -16,6 +16,11 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
+/// A scene as it is called for short: a file without its folders.
+pub fn short_scene(scene: &str) -> &str {
+    scene.rsplit(['/', '\\']).next().filter(|name| !name.is_empty()).unwrap_or(scene)
+}
+
 /// An exponent in raised digits.
 pub fn superscript(exponent: i32) -> String {
     let raise = |c: char| match c {
@@ -123,6 +128,11 @@ mod tests {
         }
         assert_eq!(superscript(-1045), "⁻¹⁰⁴⁵");
         assert_eq!([percent(1.0), percent(0.1234), percent(-0.0002)], ["100 %", "12.3 %", "−0.02 %"]);
+    }
+
+    #[test]
+    fn scenes_are_called_for_short() {
+        assert_eq!(["a/b/c.xml", "ring:light=0.1", "x/"].map(short_scene), ["c.xml", "ring:light=0.1", "x/"]);
     }
 
     #[test]
