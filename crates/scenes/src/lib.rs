@@ -22,7 +22,7 @@ pub mod obj;
 mod placement;
 pub mod ply;
 
-pub use builtin::{Builtin, Parameter, ParameterKind, builtins, furnace::furnace_radiance};
+pub use builtin::{Builtin, Parameter, ParameterKind, builtins, furnace::Furnace};
 pub use error::{Flaw, LoadError, Place};
 
 use etendue_core::{filter::Filter, scene::SceneDescription};
@@ -43,6 +43,8 @@ pub struct LoadedScene {
     pub samples: Option<u32>,
     /// What a user should know about how it was loaded, a sentence each.
     pub notes: Vec<String>,
+    /// The radiance of every pixel, in the scenes where it is known.
+    pub exact: Option<Furnace>,
 }
 
 /// Loads a built-in scene (`cornell`, `many-lights:n=4096,seed=7`) or a scene file (`path/to/scene.xml`).

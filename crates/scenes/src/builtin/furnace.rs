@@ -43,22 +43,37 @@ pub(super) const BUILTIN: Builtin = Builtin {
     build,
 };
 
-/// The radiance everywhere in a closed room whose walls emit `emission` and reflect the share `reflectance` diffusely:
-/// paths of at most `max_depth` segments add up to `emission * (1 + reflectance + ... + reflectance^(max_depth - 1))`;
-/// `u32::MAX` stands for no bound.
-///
-/// It holds in the scene `furnace` for `material=lambert`. A mirror or a glass ball in the room takes segments of a path
-/// without loss, so that then it holds for paths without a bound only.
-pub fn furnace_radiance(emission: f64, reflectance: f64, max_depth: u32) -> f64 {
-    if reflectance == 1.0 {
-        return emission * f64::from(max_depth);
-    }
-    // Summed as a geometric series; a bound that is no bound leaves nothing of the power.
-    let left_out = if max_depth == u32::MAX { 0.0 } else { reflectance.powf(f64::from(max_depth)) };
-    emission * (1.0 - left_out) / (1.0 - reflectance)
+/// A closed room in which the radiance is the same everywhere: its walls emit and reflect alike, and nothing else is in it
+/// but what loses no light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Furnace {
+    /// Radiance that the walls emit.
+    pub emission: f64,
+    /// Albedo of the walls, which are diffuse.
+    pub reflectance: f64,
+    /// Whether something in the room takes segments of a path without loss, so that a bound on their number counts.
+    pub has_ball: bool,
 }
 
-/// Tests energy: every pixel is [`furnace_radiance`]. A lossless ball in the room (smooth conductor of reflectance 1, smooth
+impl Furnace {
+    /// The radiance that paths of at most `max_depth` segments add up to, `emission * (1 + reflectance + ... +
+    /// reflectance^(max_depth - 1))`; `u32::MAX` stands for no bound. `None` where that is not known: with something in the
+    /// room and a bound.
+    pub fn radiance(&self, max_depth: u32) -> Option<f64> {
+        let Furnace { emission, reflectance, has_ball } = *self;
+        if has_ball && max_depth != u32::MAX {
+            return None;
+        }
+        if reflectance == 1.0 {
+            return Some(emission * f64::from(max_depth));
+        }
+        // Summed as a geometric series; a bound that is no bound leaves nothing of the power.
+        let left_out = if max_depth == u32::MAX { 0.0 } else { reflectance.powf(f64::from(max_depth)) };
+        Some(emission * (1.0 - left_out) / (1.0 - reflectance))
+    }
+}
+
+/// Tests energy: every pixel is [`Furnace::radiance`]. A lossless ball in the room (smooth conductor of reflectance 1, smooth
 /// dielectric) must vanish; a rough one shows what its single-scattering model loses. The room's mesh shares its vertices,
 /// so that a ray that gets out is a fault of the intersection.
 fn build(values: &Values) -> LoadedScene {
@@ -73,18 +88,20 @@ fn build(values: &Values) -> LoadedScene {
     }
     room.emission = Some(grey(values.number("emission")));
 
+    let furnace =
+        |has_ball| Furnace { emission: values.number("emission"), reflectance: values.number("reflectance"), has_ball };
     let alpha = values.number("alpha") as f32;
-    let ball = match values.choice("material") {
-        "conductor" => mirror([1.0; 3]),
-        "dielectric" => glass(),
-        "rough-conductor" => rough_metal(Rgb::WHITE.to_array(), alpha),
-        "rough-dielectric" => Material::Dielectric { eta: 1.5, roughness: Some(ggx(alpha)) },
-        _ => return stage.finish(64),
+    let (ball, exact) = match values.choice("material") {
+        "conductor" => (mirror([1.0; 3]), Some(furnace(true))),
+        "dielectric" => (glass(), Some(furnace(true))),
+        "rough-conductor" => (rough_metal(Rgb::WHITE.to_array(), alpha), None),
+        "rough-dielectric" => (Material::Dielectric { eta: 1.5, roughness: Some(ggx(alpha)) }, None),
+        _ => return LoadedScene { exact: Some(furnace(false)), ..stage.finish(64) },
     };
     let ball = stage.material("ball", ball);
     stage.sphere("ball", DVec3::ZERO, 0.35, ball);
     // Light may go round inside the ball for long; roulette ends it without bias.
-    stage.finish(u32::MAX)
+    LoadedScene { exact, ..stage.finish(u32::MAX) }
 }
 
 #[cfg(test)]
@@ -94,12 +111,14 @@ mod tests {
     #[test]
     fn radiance_is_the_truncated_series() {
         let sum = |depth| (0..depth).map(|i| 0.25 * 0.7f64.powi(i)).sum::<f64>();
+        let room = |emission, reflectance| Furnace { emission, reflectance, has_ball: false };
         for depth in [1, 2, 3, 17] {
-            let closed = furnace_radiance(0.25, 0.7, depth as u32);
+            let closed = room(0.25, 0.7).radiance(depth as u32).expect("known");
             assert!((closed / sum(depth) - 1.0).abs() < 1e-14, "{depth}: {closed}");
         }
-        assert_eq!(furnace_radiance(0.25, 0.5, u32::MAX), 0.5);
-        assert_eq!(furnace_radiance(0.25, 0.0, 1), 0.25);
-        assert_eq!(furnace_radiance(2.0, 1.0, 3), 6.0);
+        assert_eq!(room(0.25, 0.5).radiance(u32::MAX), Some(0.5));
+        assert_eq!(room(0.25, 0.0).radiance(1), Some(0.25));
+        assert_eq!(room(2.0, 1.0).radiance(3), Some(6.0));
+        assert_eq!(Furnace { has_ball: true, ..room(0.25, 0.5) }.radiance(3), None);
     }
 }

@@ -114,6 +114,7 @@ impl Stage {
             roulette_depth: 5,
             samples: None,
             notes: Vec::new(),
+            exact: None,
         }
     }
 }

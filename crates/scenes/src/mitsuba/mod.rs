@@ -111,6 +111,7 @@ fn scene<'d>(reader: &Reader<'d>, root: roxmltree::Node<'d, 'd>) -> Result<Loade
         roulette_depth,
         samples: Some(sensor.samples),
         notes,
+        exact: None,
     })
 }
 
