@@ -99,9 +99,10 @@ pub struct Surface {
     pub ng: Vec3,
     /// Unit shading normal, in the hemisphere of `ng`.
     pub ns: Vec3,
-    /// Direction of growing first texture coordinate, not normalised, not zero: what anisotropy is aligned to.
+    /// Direction of growing first texture coordinate, not normalised, not zero: what anisotropy is aligned to. Zero
+    /// where the scene has Lambert reflection alone.
     pub dpdu: Vec3,
-    /// Texture coordinates.
+    /// Texture coordinates; zero where the scene has no textures.
     pub uv: Vec2,
     /// Index of the shape: those of the top level first, then those of each group in order.
     pub shape: u32,

@@ -181,11 +181,11 @@ impl Space {
 
     /// What is known at a hit, in this space.
     #[inline]
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> (Local, u32, u32) {
+    pub fn surface<const HAS: u32>(&self, ray: &Ray, hit: &Hit) -> (Local, u32, u32) {
         let (shape, element) = self.locate(hit.primitive);
         let local = match &self.shapes[shape as usize] {
-            Shape::Mesh(mesh) => mesh.surface(element, hit.u, hit.v),
-            Shape::Sphere(sphere) => sphere.surface(ray, hit.t, hit.u),
+            Shape::Mesh(mesh) => mesh.surface::<HAS>(element, hit.u, hit.v),
+            Shape::Sphere(sphere) => sphere.surface::<HAS>(ray, hit.t, hit.u),
             Shape::Disk(disk) => disk.surface(ray, hit.t),
         };
         (local, shape, element)

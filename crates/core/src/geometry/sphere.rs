@@ -5,7 +5,7 @@ use super::{
     offset::gamma,
     surface::{Local, tangent},
 };
-use crate::ray::Ray;
+use crate::{has::TEXTURES, ray::Ray};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -53,7 +53,7 @@ impl Sphere {
     }
 
     /// What is known where the ray enters (`side` 0) or leaves (1), near the parameter `t` that was found.
-    pub(super) fn surface(&self, ray: &Ray, t: f32, side: f32) -> Local {
+    pub(super) fn surface<const HAS: u32>(&self, ray: &Ray, t: f32, side: f32) -> Local {
         // `t` was rounded; the unrounded one gives the normal of a tiny sphere far away.
         let t = self.roots(ray).map_or(f64::from(t), |[t0, t1]| if side == 0.0 { t0 } else { t1 });
         let center = self.center.as_dvec3();
@@ -62,17 +62,22 @@ impl Sphere {
         // Projected onto the sphere: what is left is the rounding to single precision.
         let p = (center + outward * f64::from(self.radius)).as_vec3();
         let n = outward.as_vec3();
-        let (u, v) = (n.z.atan2(n.x) / TAU, n.y.clamp(-1.0, 1.0).acos() / PI);
         // The parallel of latitude through the point; at the poles any tangent.
         let east = Vec3::new(-n.z, 0.0, n.x) * (TAU * self.radius);
         let ng = if self.inverted { -n } else { n };
+        let uv = if HAS & TEXTURES == 0 {
+            Vec2::ZERO
+        } else {
+            let u = n.z.atan2(n.x) / TAU;
+            Vec2::new(if u < 0.0 { u + 1.0 } else { u }, n.y.clamp(-1.0, 1.0).acos() / PI)
+        };
         Local {
             p,
             p_error: p.abs() * gamma(2),
             ng,
             ns: ng,
             dpdu: if east.length_squared() > 0.0 { east } else { tangent(ng) },
-            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, v),
+            uv,
         }
     }
 }

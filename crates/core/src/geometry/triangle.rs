@@ -5,6 +5,7 @@ use super::{
     offset::{ROUNDOFF, gamma},
     surface::{Local, tangent},
 };
+use crate::has::{LOBES, TEXTURES};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Padding of a triangle's box, as a multiple of its largest extent.
@@ -50,7 +51,7 @@ impl Mesh {
 
     /// What is known at barycentric coordinates (u, v) of a triangle.
     #[inline]
-    pub(super) fn surface(&self, element: u32, u: f32, v: f32) -> Local {
+    pub(super) fn surface<const HAS: u32>(&self, element: u32, u: f32, v: f32) -> Local {
         let [a, b, c] = self.vertices(element);
         let w = 1.0 - u - v;
         let (wa, ub, vc) = (a * w, b * u, c * v);
@@ -70,6 +71,9 @@ impl Mesh {
                 None => ng,
             }
         };
+        if HAS & (TEXTURES | LOBES) == 0 {
+            return Local { p, p_error, ng, ns, dpdu: Vec3::ZERO, uv: Vec2::ZERO };
+        }
         let (uv, dpdu) = if self.uvs.is_empty() {
             (Vec2::new(u, v), b - a)
         } else {

@@ -92,15 +92,15 @@ impl Geometry {
         }
     }
 
-    /// What is known at a hit that this ray has found.
+    /// What is known at a hit that this ray has found; texture coordinates and their direction only where `HAS` asks for them.
     #[inline]
     pub fn surface<const HAS: u32>(&self, ray: &Ray, hit: &Hit) -> Surface {
         let (local, shape, element) = if HAS & INSTANCES == 0 || hit.instance == NO_INSTANCE {
-            self.top.surface(ray, hit)
+            self.top.surface::<HAS>(ray, hit)
         } else {
             let placed = &self.placed[hit.instance as usize];
             let group = &self.groups[placed.group as usize];
-            let (local, shape, element) = group.surface(&placed.ray_to_group(ray), hit);
+            let (local, shape, element) = group.surface::<HAS>(&placed.ray_to_group(ray), hit);
             (placed.surface_to_world(&local), shape + self.first_shape[placed.group as usize], element)
         };
         Surface {
