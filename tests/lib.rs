@@ -2,6 +2,11 @@
 
 pub mod small;
 
+/// The README's example, compiled and run as it stands.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
+
 use etendue_core::{
     film::Film,
     filter::Filter,

@@ -79,8 +79,23 @@ fn agrees(name: &str, masked: impl Fn(usize, usize) -> bool) {
         100.0 * blocks.relative,
         blocks.failures
     );
+    let map: Vec<String> = (0..ours.rows)
+        .map(|y| {
+            let block = |x| match tested.iter().position(|i| *i == y * ours.columns + x) {
+                None => '#',
+                Some(k) if (0..3).any(|c| fails(&pick(&ours), &pick(&theirs), &errors, k, c)) => 'x',
+                Some(_) => '.',
+            };
+            (0..ours.columns).map(block).collect()
+        })
+        .collect();
+    println!("{}", map.join("\n"));
     assert!((a - b).abs() < 4.0 * error, "{name}: image mean {a} against {b}");
     assert_eq!(blocks.failures, 0, "{name}: {blocks:?}");
+}
+
+fn fails(a: &Tiles, b: &Tiles, e: &[[f64; 3]], k: usize, c: usize) -> bool {
+    (a.means[k][c] - b.means[k][c]).abs() > 5.0 * e[k][c]
 }
 
 /// The reference image and the relMSE that it has itself.

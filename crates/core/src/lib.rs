@@ -25,3 +25,8 @@ pub mod technique;
 pub mod texture;
 pub mod walk;
 pub mod warp;
+
+/// The README's example, compiled and run as it stands.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -73,6 +73,10 @@ pub struct History {
 }
 
 /// What a step finds.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a vertex lives on the stack for one step; a box would allocate for each"
+)]
 #[derive(Clone, Copy, Debug)]
 pub enum Vertex {
     /// A surface.

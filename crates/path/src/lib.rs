@@ -6,14 +6,14 @@
 //! ```
 //! use etendue_core::{film::Film, filter::Filter, rgb::Rgb, independent::independent, scene::*, technique::*};
 //! use etendue_core::{camera::*, material::Material};
-//! use glam::{DAffine3, DVec3, UVec2};
+//! use glam::{DAffine3, DVec3, UVec2, dcamera::lh::view::look_at_affine3};
 //! use std::sync::Arc;
 //!
 //! // A white floor under a sky of radiance 1, seen from above: it reflects 1/2.
 //! let description = SceneDescription {
 //!     camera: Some(CameraDescription {
 //!         projection: Projection::Perspective { fov_x: 0.5 },
-//!         to_world: DAffine3::look_at_lh(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y).inverse(),
+//!         to_world: look_at_affine3(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y).inverse(),
 //!         resolution: UVec2::new(4, 4),
 //!     }),
 //!     materials: vec![NamedMaterial {
@@ -49,6 +49,11 @@
 //! directional lights seen through delta lobes.
 
 mod radiance;
+
+/// The README's example, compiled and run as it stands.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
 
 use etendue_core::{
     film::Film,

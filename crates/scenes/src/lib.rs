@@ -22,6 +22,11 @@ pub mod obj;
 mod placement;
 pub mod ply;
 
+/// The README's examples, compiled and run as they stand.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
+
 pub use builtin::{Builtin, Parameter, ParameterKind, builtins, furnace::Furnace};
 pub use error::{Flaw, LoadError, Place};
 

@@ -96,7 +96,7 @@ impl SpotCone {
             // 1 - cos(theta) is uniform; by the half-angle, which keeps small angles.
             2.0 * ((0.5 * beam).sin() * (x / inner).sqrt()).asin()
         } else {
-            let band = Band { start: beam, width: cutoff - beam };
+            let band = Band::new(beam, cutoff - beam);
             beam + band.width * band.sample(1.0, 0.0, ((x - inner) / outer).min(1.0))
         };
         let (sin, cos) = (theta as f32).sin_cos();
@@ -113,6 +113,6 @@ impl SpotCone {
 
 /// Integrals of the falloff within `beam`, and from there to `cutoff`, in steradians.
 fn shares(beam: f64, cutoff: f64) -> (f64, f64) {
-    let (falling, _) = Band { start: beam, width: cutoff - beam }.weights();
+    let (falling, _) = Band::new(beam, cutoff - beam).weights();
     (4.0 * PI * (0.5 * beam).sin().powi(2), 2.0 * PI * (cutoff - beam) * falling)
 }

@@ -5,13 +5,23 @@
 pub(super) struct Band {
     pub start: f64,
     pub width: f64,
+    /// Sine and cosine at the start.
+    at_start: (f64, f64),
+    /// Sine at the end.
+    sin_end: f64,
 }
 
 /// Terms of the sine's Taylor series that are kept in bands narrower than [`NARROW`]: its error is below 2e-9.
 const TERMS: usize = 6;
 const NARROW: f64 = 0.1;
+/// `1 / (k + 1)`: divisions would take most of the time.
+const RECIPROCALS: [f64; TERMS + 1] = [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0];
 
 impl Band {
+    pub fn new(start: f64, width: f64) -> Band {
+        Band { start, width, at_start: start.sin_cos(), sin_end: (start + width).sin() }
+    }
+
     /// Integrals over `t` of `(1 - t) sin(theta)` and of `t sin(theta)`.
     pub fn weights(self) -> (f64, f64) {
         let at_end = |a: f64, c: f64| Product::new(self, a, c).integral(1.0).max(0.0);
@@ -23,7 +33,7 @@ impl Band {
         let product = Product::new(self, a, b - a);
         let target = u * product.integral(1.0);
         // Newton's method from the solution for a linear density, kept between bounds that close in.
-        let (first, last) = (a * self.start.sin().max(0.0), b * (self.start + self.width).sin().max(0.0));
+        let (first, last) = (a * self.at_start.0.max(0.0), b * self.sin_end.max(0.0));
         let (mut low, mut high) = (0.0, 1.0);
         let mut t = if first + last > 0.0 { sample_linear(first, last, u) } else { 0.5 };
         for _ in 0..48 {
@@ -62,7 +72,7 @@ impl Product {
         if band.width >= NARROW {
             return Product::Wide { band, a, c };
         }
-        let (sin, cos) = band.start.sin_cos();
+        let (sin, cos) = band.at_start;
         let derivatives = [sin, cos, -sin, -cos];
         let mut q = [0.0; TERMS + 1];
         let mut scale = 1.0;
@@ -70,7 +80,7 @@ impl Product {
             let s = derivatives[k % 4] * scale;
             q[k] += a * s;
             q[k + 1] += c * s;
-            scale *= band.width / (k + 1) as f64;
+            scale *= band.width * RECIPROCALS[k];
         }
         Product::Narrow(q)
     }
@@ -85,9 +95,9 @@ impl Product {
     /// The integral from 0 to `t`.
     fn integral(&self, t: f64) -> f64 {
         match self {
-            Product::Narrow(q) => (0..=TERMS).rev().fold(0.0, |sum, k| sum * t + q[k] / (k + 1) as f64) * t,
-            Product::Wide { band: Band { start, width }, a, c } => {
-                let ((sin0, cos0), (sin, cos)) = (start.sin_cos(), (start + width * t).sin_cos());
+            Product::Narrow(q) => (0..=TERMS).rev().fold(0.0, |sum, k| sum * t + q[k] * RECIPROCALS[k]) * t,
+            Product::Wide { band: Band { start, width, at_start: (sin0, cos0), .. }, a, c } => {
+                let (sin, cos) = (start + width * t).sin_cos();
                 (a * cos0 - (a + c * t) * cos) / width + c * (sin - sin0) / (width * width)
             }
         }

@@ -41,6 +41,8 @@ pub(super) struct LatLong {
     scale: f32,
     to_world: Mat3,
     rows: Rows,
+    /// The bands, each with the texel rows at its top and bottom.
+    bands: Vec<(Band, usize, usize)>,
     /// Over the cells between texel centres; column j lies between the texels j and j + 1, row i is band i. `None` for
     /// a black image.
     cells: Option<Piecewise2d>,
@@ -102,7 +104,7 @@ impl Sky {
         match self {
             Sky::Constant(_) => 0,
             Sky::LatLong(sky) => {
-                (sky.image.texels.capacity() * size_of::<Rgb>()) as u64
+                (sky.image.texels.capacity() * size_of::<Rgb>() + size_of_val(&sky.bands[..])) as u64
                     + sky.cells.as_ref().map_or(0, Piecewise2d::memory_bytes)
             }
         }
@@ -112,10 +114,10 @@ impl Sky {
 impl LatLong {
     fn new(image: Arc<Bitmap>, scale: f32, to_world: Mat3, rows: Rows) -> LatLong {
         let (width, height) = (image.width as usize, image.height as usize);
-        let mut weights = Vec::with_capacity(width * bands(rows, height));
+        let mut weights = Vec::with_capacity(width * (height + 1));
         let luminance = |x: usize, y: usize| f64::from(image.texels[y * width + x].luminance());
-        for i in 0..bands(rows, height) {
-            let (band, top, bottom) = band(rows, height, i);
+        let bands: Vec<_> = (0..bands(rows, height)).map(|i| band(rows, height, i)).collect();
+        for &(band, top, bottom) in &bands {
             let (w_top, w_bottom) = band.weights();
             // An edge of the cell is interpolated between two texels, so it has their mean.
             let mean = |x: usize, y: usize| 0.5 * (luminance(x, y) + luminance((x + 1) % width, y));
@@ -124,7 +126,7 @@ impl LatLong {
         }
         let integral = weights.iter().sum::<f64>() * f64::from(scale);
         let cells = Piecewise2d::new(&weights, width).filter(|_| integral > 0.0);
-        LatLong { image, scale, to_world, rows, cells, integral }
+        LatLong { image, scale, to_world, rows, bands, cells, integral }
     }
 
     #[inline]
@@ -160,8 +162,8 @@ impl LatLong {
     #[inline]
     fn sample(&self, u: Vec2) -> Option<SkySample> {
         let (column, row, within) = self.cells.as_ref()?.sample_cell(u);
-        let (width, height) = (self.image.width as usize, self.image.height as usize);
-        let (band, top, bottom) = band(self.rows, height, row);
+        let width = self.image.width as usize;
+        let (band, top, bottom) = self.bands[row];
         let next = if column + 1 == width { 0 } else { column + 1 };
         let texel = |x: usize, y: usize| self.image.texels[y * width + x];
         let corners = [texel(column, top), texel(next, top), texel(column, bottom), texel(next, bottom)];
@@ -209,5 +211,5 @@ fn band(rows: Rows, height: usize, i: usize) -> (Band, usize, usize) {
         Rows::Centred => i.min(height - 1),
         Rows::PoleToPole => (i + 1).min(height - 1),
     };
-    (Band { start: start * PI64, width: (end - start) * PI64 }, top, bottom)
+    (Band::new(start * PI64, (end - start) * PI64), top, bottom)
 }

@@ -201,6 +201,10 @@ impl Scene {
         {
             return textured.bsdf(surface.uv, material.constant.two_sided);
         }
+        if HAS & has::LOBES == 0 {
+            // All that a Lambert surface has; a copy of the whole would be several times as long.
+            return Bsdf::lambert(material.constant.lambert_reflectance(), material.constant.two_sided);
+        }
         material.constant
     }
 
