@@ -14,20 +14,20 @@ pub enum Bias {
     Bounded,
 }
 
-/// Parts of the light that reaches the film; every contribution belongs to exactly one.
+/// Parts of the light that reaches the film; every contribution belongs to exactly one. A vertex is rough where it scatters by
+/// a lobe that is no delta.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Part {
-    /// A light or the environment's surroundings seen directly or through delta lobes alone from the camera: `L D? ..`
-    /// with no non-delta vertex.
+    /// A light or the environment seen directly or by way of delta lobes alone: no rough vertex in between.
     Emission = 0,
-    /// One non-delta vertex, lit from an area, point, spot or directional light without a delta vertex in between.
+    /// One rough vertex, lit straight from an area, point, spot or directional light.
     Direct,
-    /// One non-delta vertex, lit by the environment without a delta vertex in between.
+    /// One rough vertex, lit straight from the environment.
     Environment,
-    /// A light seen from a non-delta vertex through at least one delta vertex.
+    /// A rough vertex lit from a light or the environment by way of at least one delta lobe.
     Caustic,
-    /// Everything else: at least two non-delta vertices, and no delta vertex next to the light.
+    /// Everything else: two rough vertices or more, the last of them lit straight from the light.
     Indirect,
 }
 

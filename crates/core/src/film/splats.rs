@@ -39,11 +39,11 @@ impl Splats {
     /// density per pixel area, already divided by the number of paths of the pass. For the image to match one that
     /// samples the filter at each pixel, positions outside the film, within the filter's radius, must be splatted too.
     ///
-    /// A value that a film does not take, or a position that is not finite, is counted in `statistics` as rejected, at
-    /// the nearest pixel of the film.
+    /// A value that is not finite or is negative, or a position that is not finite, is counted in `statistics` as
+    /// rejected, at the nearest pixel of the film; a value over the film's limit, at the pixels that it would reach.
     #[inline]
     pub fn splat(&self, statistics: &mut RenderStatistics, position: Vec2, value: Rgb) {
-        if !(is_accepted(value) && position.is_finite()) {
+        if !(value.is_valid() && position.is_finite()) {
             let last = self.resolution.saturating_sub(UVec2::ONE);
             // The conversion takes NaN to 0 and saturates.
             return reject(statistics, self.technique, self.pass, position.as_uvec2().min(last));
