@@ -358,7 +358,7 @@ impl Bsdf {
 
     /// The albedo of the first lobe where it is known to be Lambert.
     #[inline]
-    pub(crate) fn lambert_reflectance(&self) -> Rgb {
+    fn lambert_reflectance(&self) -> Rgb {
         match self.first {
             Lobe::Lambert { reflectance } => reflectance,
             _ => Rgb::BLACK,

@@ -9,7 +9,7 @@ pub use description::*;
 pub use error::{Kind, Problem, SceneError};
 
 use crate::{
-    bsdf::Bsdf,
+    bsdf::{Bsdf, Lobe},
     camera::Camera,
     effects::Census,
     geometry::{Geometry, Hit, Instance, Shape, Surface},
@@ -201,11 +201,15 @@ impl Scene {
         {
             return textured.bsdf(surface.uv, material.constant.two_sided);
         }
-        if HAS & has::LOBES == 0 {
-            // All that a Lambert surface has; a copy of the whole would be several times as long.
-            return Bsdf::lambert(material.constant.lambert_reflectance(), material.constant.two_sided);
+        // A Lambert surface has little to copy; a copy of the whole is several times as long.
+        match material.constant {
+            Bsdf { first: Lobe::Lambert { reflectance }, second: None, two_sided } => {
+                Bsdf::lambert(reflectance, two_sided)
+            }
+            // Without LOBES there is no other material; saying so spares the branch.
+            _ if HAS & has::LOBES == 0 => Bsdf::lambert(Rgb::BLACK, true),
+            other => other,
         }
-        material.constant
     }
 
     /// The light element that the surface is part of, if it emits.
