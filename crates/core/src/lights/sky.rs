@@ -17,7 +17,7 @@ use std::{f32::consts::PI, f64::consts::PI as PI64, sync::Arc};
 #[derive(Clone, Debug)]
 pub(super) enum Sky {
     Constant(Rgb),
-    LatLong(LatLong),
+    LatLong(Box<LatLong>),
 }
 
 /// A direction towards the environment.
@@ -55,7 +55,7 @@ impl Sky {
         match environment {
             Environment::Constant(radiance) => Sky::Constant(*radiance),
             Environment::LatLong { image, scale, to_world, rows } => {
-                Sky::LatLong(LatLong::new(image.clone(), *scale, to_world.as_mat3(), *rows))
+                Sky::LatLong(Box::new(LatLong::new(image.clone(), *scale, to_world.as_mat3(), *rows)))
             }
         }
     }
