@@ -1,8 +1,8 @@
 //! Agreement with another renderer: the seven peer scenes against their references, image means and 16x16 blocks.
 //!
 //! The standard error of a block is ours, from replicates, plus the reference's, from the relative error that is stated
-//! with it. `ETENDUE_PEER_PASSES` sets the passes a replicate (default 3, or 18 with weak caustics everywhere), `ETENDUE_PEER_REPLICATES` their number
-//! (default 32); the figures of each scene are printed.
+//! with it. `ETENDUE_PEER_PASSES` sets the passes a replicate (default 3, or 18 with weak caustics everywhere),
+//! `ETENDUE_PEER_REPLICATES` their number (default 32); the figures of each scene are printed.
 
 use etendue_core::{
     rgb::Rgb,
