@@ -274,7 +274,7 @@ fn a_light_that_touches_a_surface() {
 
 #[test]
 fn a_lamp_among_many_dark_triangles() {
-    // The same light as one lamp of a million triangles' mesh would see: dark ones are never chosen.
+    // A hundred thousand triangles that emit nothing change no number: they are never chosen.
     let lamp = |radiance| emitting(rectangle("lamp", DVec3::Y, DVec3::NEG_Y, (0.5, 0.5), 1), radiance);
     let mut crowded = lit_floor(1e-3, vec![lamp(2.0)]);
     let grid: Vec<Vec3> = (0..100_000u32)

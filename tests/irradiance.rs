@@ -96,9 +96,9 @@ fn lights_without_an_extent() {
         &delta_lit_floor(1e-5, DeltaLight::Point { position, intensity }),
         f64::from(intensity.g) * position.y / cubed,
     );
-    for (beam, cutoff, factor) in [(0.3, 0.6, 1.0), (0.0, 0.8, 1.0), (0.5, 0.5, 1.0)] {
+    for (beam, cutoff) in [(0.3, 0.6), (0.0, 0.8), (0.5, 0.5)] {
         let spot = DeltaLight::Spot { position, direction: -position, intensity, beam, cutoff };
-        shows("spot on its axis", &delta_lit_floor(1e-5, spot), factor * f64::from(intensity.g) * position.y / cubed);
+        shows("spot on its axis", &delta_lit_floor(1e-5, spot), f64::from(intensity.g) * position.y / cubed);
     }
     // 0.4 radians off the axis, where the intensity has fallen to half.
     let axis = glam::DQuat::from_rotation_x(0.4) * -position;

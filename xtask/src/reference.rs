@@ -148,29 +148,20 @@ pub fn make(
     let picture = Picture { size: job.key.size(), pixels: engine.film.mean_image() };
     let reference = Reference { picture, variance: Some(variance.collect()) };
     let entry = ReferenceEntry {
-        scene: job.key.scene.clone(),
-        scene_hash: job.key.scene_hash.clone(),
-        width: job.key.width,
-        height: job.key.height,
-        depth: job.key.depth,
         technique: job.key.technique.clone(),
         passes,
         seed,
         seconds: engine.total().seconds,
-        commit: commit(),
         relmse: reference.own_relmse(),
         note: caution(engine.scene.census().has_caustics()).into(),
+        ..known(job)
     };
     Ok(Some((reference, entry)))
 }
 
-/// The reference of a scene whose every pixel is known.
-fn exact(job: &Job, radiance: f64) -> (Reference, ReferenceEntry) {
-    let size = job.key.size();
-    let pixels = vec![Rgb::splat(radiance as f32); size.x as usize * size.y as usize];
-    let variance = Some(vec![Rgb::BLACK; pixels.len()]);
-    let reference = Reference { picture: Picture { size, pixels }, variance };
-    let entry = ReferenceEntry {
+/// The entry of an image that is known without rendering.
+fn known(job: &Job) -> ReferenceEntry {
+    ReferenceEntry {
         scene: job.key.scene.clone(),
         scene_hash: job.key.scene_hash.clone(),
         width: job.key.width,
@@ -183,8 +174,16 @@ fn exact(job: &Job, radiance: f64) -> (Reference, ReferenceEntry) {
         commit: commit(),
         relmse: Some(0.0),
         note: "the radiance is known: a geometric series".into(),
-    };
-    (reference, entry)
+    }
+}
+
+/// The reference of a scene whose every pixel is known.
+fn exact(job: &Job, radiance: f64) -> (Reference, ReferenceEntry) {
+    let size = job.key.size();
+    let pixels = vec![Rgb::splat(radiance as f32); size.x as usize * size.y as usize];
+    let variance = Some(vec![Rgb::BLACK; pixels.len()]);
+    let reference = Reference { picture: Picture { size, pixels }, variance };
+    (reference, known(job))
 }
 
 /// The technique and sampler that make references.
