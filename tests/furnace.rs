@@ -61,11 +61,11 @@ fn a_closed_lambert_furnace_is_a_geometric_series() {
 
 #[test]
 fn a_white_mirror_and_clear_glass_vanish_in_a_furnace() {
-    let mirror = Material::Conductor { fresnel: ConductorFresnel::Constant(Rgb::WHITE), roughness: None };
+    let mirror = Material::conductor(ConductorFresnel::Constant(Rgb::WHITE), None);
     shines("mirror", &ball(mirror), 8, 1.0);
     // Light may go round inside the glass many times; what the depth bound cuts is far below the noise.
     for eta in [1.5, 1.0 / 1.5, 1.0, 2.4] {
-        shines(&format!("glass {eta}"), &ball(Material::Dielectric { eta, roughness: None }), 200, 1.0);
+        shines(&format!("glass {eta}"), &ball(Material::dielectric(eta, None)), 200, 1.0);
     }
 }
 
@@ -114,7 +114,7 @@ fn rough_metal_shows_its_directional_albedo() {
                 let scene = SceneDescription {
                     name: "plane".into(),
                     camera: Some(orthographic(wo.as_dvec3() * 3.0, DVec3::ZERO, DVec3::Y, 0.1, 4)),
-                    materials: vec![material("metal", Material::Conductor { fresnel, roughness: Some(roughness) })],
+                    materials: vec![material("metal", Material::conductor(fresnel, Some(roughness)))],
                     objects: vec![rectangle("plane", DVec3::ZERO, DVec3::Z, (20.0, 20.0), 0)],
                     ..SceneDescription::default()
                 };

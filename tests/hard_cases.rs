@@ -186,7 +186,13 @@ fn shading_normals_that_disagree() {
         vec![Vec3::X, Vec3::NEG_X, Vec3::Z],
         vec![Vec3::Y, Vec3::NEG_Y, Vec3::Y],
     ] {
-        let mesh = Mesh { positions: positions.clone(), normals, uvs: Vec::new(), triangles: vec![[0, 1, 2]] };
+        let mesh = Mesh {
+            positions: positions.clone(),
+            normals,
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            triangles: vec![[0, 1, 2]],
+        };
         let mut scene = lit_floor(0.5, Vec::new());
         scene.objects[0].shape = ObjectShape::Mesh(mesh);
         scene.objects[0].to_world = DAffine3::IDENTITY;
@@ -194,6 +200,7 @@ fn shading_normals_that_disagree() {
     }
     // Normals that are all zero fall back to the face's own: half the light of a white sky.
     let mesh = Mesh {
+        colors: Vec::new(),
         positions: vec![
             Vec3::new(-5.0, 0.0, -5.0),
             Vec3::new(-5.0, 0.0, 5.0),
@@ -216,7 +223,7 @@ fn coplanar_surfaces_and_stacked_glass() {
     scene.objects.push(rectangle("floor again", DVec3::ZERO, DVec3::Y, (0.5, 0.5), 0));
     survives(&named("coplanar floors", scene));
     let mut scene = lit_floor(0.5, Vec::new());
-    scene.materials.push(material("glass", Material::Dielectric { eta: 1.5, roughness: None }));
+    scene.materials.push(material("glass", Material::dielectric(1.5, None)));
     for i in 0..8 {
         let at = DVec3::Y * (0.1 + 1e-4 * f64::from(i));
         let facing = if i % 2 == 0 { DVec3::NEG_Y } else { DVec3::Y };
@@ -228,7 +235,7 @@ fn coplanar_surfaces_and_stacked_glass() {
 #[test]
 fn cameras_in_odd_places() {
     let mut glass = room();
-    glass.materials.push(material("glass", Material::Dielectric { eta: 1.5, roughness: None }));
+    glass.materials.push(material("glass", Material::dielectric(1.5, None)));
     glass.objects.push(sphere("around the camera", DVec3::new(0.3, 1.0, 3.5), 0.5, 1));
     survives(&named("camera inside glass", glass));
     let mut surface = room();
@@ -347,10 +354,10 @@ fn delta_lights_beside_area_lights() {
 fn a_light_behind_glass() {
     // Only a specular path reaches the point light: a path tracer sees nothing of it, and says so in its blind spots.
     let mut scene = lit_floor(0.1, Vec::new());
-    scene.materials.push(material("glass", Material::Dielectric { eta: 1.5, roughness: None }));
+    scene.materials.push(material("glass", Material::dielectric(1.5, None)));
     scene.objects.push(sphere("bulb", DVec3::Y, 0.3, 2));
     let point = DeltaLight::Point { position: DVec3::Y, intensity: Rgb::WHITE };
-    scene.lights.push(LightDescription { name: "filament".into(), kind: point });
+    scene.lights.push(LightDescription { name: "filament".into(), kind: point.clone() });
     survives(&named("point light behind glass", scene.clone()));
     scene.lights.clear();
     scene.objects.push(emitting(sphere("filament", DVec3::Y, 0.05, 1), 100.0));
@@ -360,7 +367,7 @@ fn a_light_behind_glass() {
 #[test]
 fn glass_of_index_one_is_not_there() {
     let mut with = under_sky(room(), 0.3);
-    with.materials.push(material("air", Material::Dielectric { eta: 1.0, roughness: None }));
+    with.materials.push(material("air", Material::dielectric(1.0, None)));
     with.objects.push(sphere("bubble", DVec3::new(0.0, 1.0, 2.0), 0.4, 1));
     // A path through the bubble has two edges more, so depth must not bind: the walls are black here.
     with.materials[0] = grey(0.0);
@@ -401,8 +408,8 @@ fn narrow_and_lopsided_lobes() {
             let roughness = Some(Roughness { distribution, alpha });
             let mut scene = under_sky(room(), 0.5);
             scene.materials[0] =
-                material("metal", Material::Conductor { fresnel: ConductorFresnel::Constant(Rgb::WHITE), roughness });
-            scene.materials.push(material("glass", Material::Dielectric { eta: 1.5, roughness }));
+                material("metal", Material::conductor(ConductorFresnel::Constant(Rgb::WHITE), roughness));
+            scene.materials.push(material("glass", Material::dielectric(1.5, roughness)));
             scene.objects[3].material = 1;
             survives(&named(format!("{distribution:?} of roughness {alpha}"), scene));
         }
@@ -417,6 +424,7 @@ fn splats_and_filters_conserve_energy() {
             projection: Projection::Perspective { fov_x: 1.0 },
             to_world: DAffine3::IDENTITY,
             resolution: UVec2::new(5, 3),
+            crop: None,
         };
         let sky = SceneDescription { camera: Some(camera), ..SceneDescription::default() };
         let run = Run::of(&under_sky(sky, 0.25), filter, 4);
@@ -437,6 +445,7 @@ fn what_is_invalid_is_refused_by_name() {
     };
     let mesh = |edit: &dyn Fn(&mut Mesh)| {
         let mut mesh = Mesh {
+            colors: Vec::new(),
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
             normals: vec![Vec3::Z; 3],
             uvs: vec![Vec2::ZERO; 3],
@@ -456,17 +465,17 @@ fn what_is_invalid_is_refused_by_name() {
     check(&|s| s.objects[4].to_world.matrix3.y_axis = DVec3::ZERO, &["box", "singular"]);
     check(&|s| s.objects[3].to_world.matrix3.y_axis *= 2.0, &["ball", "uniformly"]);
     check(&|s| s.objects[4].material = 7, &["box", "material 7"]);
-    check(&|s| s.objects[5].emission = Some(Rgb::splat(-1.0)), &["lamp", "emission"]);
-    check(&|s| s.objects[5].emission = Some(Rgb::splat(f32::NAN)), &["lamp", "emission"]);
+    check(&|s| s.objects[5].emission = Some(Rgb::splat(-1.0).into()), &["lamp", "emission"]);
+    check(&|s| s.objects[5].emission = Some(Rgb::splat(f32::NAN).into()), &["lamp", "emission"]);
     check(&|s| s.materials[0] = grey(1.5), &["material 'grey'", "reflectance", "1.5"]);
-    check(&|s| s.materials[0].material = Material::Dielectric { eta: 0.0, roughness: None }, &["grey", "index"]);
+    check(&|s| s.materials[0].material = Material::dielectric(0.0, None), &["grey", "index"]);
     let smooth = Some(Roughness { distribution: Distribution::Ggx, alpha: Vec2::ZERO });
-    let glass = Material::Dielectric { eta: 1.5, roughness: smooth };
+    let glass = Material::dielectric(1.5, smooth);
     check(&|s| s.materials[0].material = glass.clone(), &["grey", "roughness"]);
     check(&|s| s.environment = Some(sky_with_texel(1.0, 3, 4, f32::NAN)), &["environment", "3", "4"]);
     check(&|s| s.environment = Some(sky_with_texel(1.0, 3, 4, -1.0)), &["environment", "3", "4"]);
     let point = DeltaLight::Point { position: DVec3::NAN, intensity: Rgb::WHITE };
-    check(&|s| s.lights.push(LightDescription { name: "bulb".into(), kind: point }), &["light 'bulb'", "position"]);
+    check(&|s| s.lights.push(LightDescription { name: "bulb".into(), kind: point.clone() }), &["light 'bulb'", "position"]);
     let far = DAffine3::from_translation(DVec3::splat(1e300));
     check(&|s| s.objects[4].to_world = far * s.objects[4].to_world, &["'", "not finite"]);
 }

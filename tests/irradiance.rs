@@ -97,12 +97,12 @@ fn lights_without_an_extent() {
         f64::from(intensity.g) * position.y / cubed,
     );
     for (beam, cutoff) in [(0.3, 0.6), (0.0, 0.8), (0.5, 0.5)] {
-        let spot = DeltaLight::Spot { position, direction: -position, intensity, beam, cutoff };
+        let spot = DeltaLight::Spot { position, direction: -position, intensity, beam, cutoff, image: None };
         shows("spot on its axis", &delta_lit_floor(1e-5, spot), f64::from(intensity.g) * position.y / cubed);
     }
     // 0.4 radians off the axis, where the intensity has fallen to half.
     let axis = glam::DQuat::from_rotation_x(0.4) * -position;
-    let spot = DeltaLight::Spot { position, direction: axis, intensity, beam: 0.2, cutoff: 0.6 };
+    let spot = DeltaLight::Spot { position, direction: axis, intensity, beam: 0.2, cutoff: 0.6, image: None };
     shows("spot off its axis", &delta_lit_floor(1e-5, spot), 0.5 * f64::from(intensity.g) * position.y / cubed);
     let directional = DeltaLight::Directional { direction: DVec3::new(1.0, -2.0, 0.5), irradiance: Rgb::splat(1.5) };
     shows("directional", &delta_lit_floor(1.0, directional), 1.5 * 2.0 / 5.25f64.sqrt());

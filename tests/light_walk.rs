@@ -114,7 +114,14 @@ fn so_it_does_with_every_kind_of_light_and_camera() {
         ("point", DeltaLight::Point { position, intensity }),
         (
             "spot",
-            DeltaLight::Spot { position, direction: DVec3::new(1.0, -1.5, 0.5), intensity, beam: 0.3, cutoff: 0.7 },
+            DeltaLight::Spot {
+                position,
+                direction: DVec3::new(1.0, -1.5, 0.5),
+                intensity,
+                beam: 0.3,
+                cutoff: 0.7,
+                image: None,
+            },
         ),
         ("sun", DeltaLight::Directional { direction: DVec3::new(0.3, -1.0, 0.2), irradiance: intensity }),
     ] {

@@ -23,6 +23,7 @@ pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, width: f64, resolution
         projection: Projection::Orthographic { width },
         to_world: look_at(eye, target, up),
         resolution: UVec2::splat(resolution),
+        crop: None,
     }
 }
 
@@ -32,6 +33,7 @@ pub fn pinhole(eye: DVec3, target: DVec3, fov_x: f64, resolution: u32) -> Camera
         projection: Projection::Perspective { fov_x },
         to_world: look_at(eye, target, DVec3::Y),
         resolution: UVec2::splat(resolution),
+        crop: None,
     }
 }
 
@@ -47,7 +49,7 @@ pub fn grey(reflectance: f32) -> NamedMaterial {
 
 /// An object that emits nothing.
 pub fn object(name: &str, shape: ObjectShape, to_world: DAffine3, material: usize) -> Object {
-    Object { name: name.into(), shape, to_world, material, emission: None }
+    Object { name: name.into(), shape, to_world, material, emission: None, absorption: None }
 }
 
 /// A sphere.
@@ -64,7 +66,7 @@ pub fn rectangle(name: &str, center: DVec3, normal: DVec3, half: (f64, f64), mat
 
 /// The same object, emitting.
 pub fn emitting(object: Object, radiance: f32) -> Object {
-    Object { emission: Some(Rgb::splat(radiance)), ..object }
+    Object { emission: Some(Rgb::splat(radiance).into()), ..object }
 }
 
 /// A white-ish floor in the plane y = 0, of which an orthographic camera above sees a spot of side `seen` at the origin,
@@ -105,6 +107,7 @@ pub fn transformed(scene: &SceneDescription, by: &DAffine3) -> SceneDescription 
             DeltaLight::Point { position, .. } | DeltaLight::Spot { position, .. } => {
                 *position = by.transform_point3(*position);
             }
+            DeltaLight::Projector { to_world, .. } => *to_world = *by * *to_world,
             DeltaLight::Directional { .. } => {}
         }
     }

@@ -1,12 +1,13 @@
 //! A census of the effects that a scene has, so that only those are simulated.
 
 use crate::{
-    bsdf::Roughness,
     camera::Projection,
     has,
     lights::environment::Environment,
-    material::Material,
+    material::{Material, RoughnessTexture},
+    rgb::Rgb,
     scene::{DeltaLight, ObjectShape, SceneDescription},
+    texture::Texture,
 };
 use std::fmt;
 
@@ -64,6 +65,8 @@ pub struct LightCount {
     pub point: usize,
     /// Spot lights.
     pub spot: usize,
+    /// Projectors.
+    pub projector: usize,
     /// Directional lights.
     pub directional: usize,
 }
@@ -132,11 +135,11 @@ impl Census {
                 ObjectShape::Mesh(mesh) => mesh.triangles.len(),
                 ObjectShape::Rectangle => 2,
                 ObjectShape::Cube => 12,
-                ObjectShape::Sphere { .. } | ObjectShape::Disk => 0,
+                ObjectShape::Sphere { .. } | ObjectShape::Disk | ObjectShape::Cylinder { .. } => 0,
             };
             census.triangles += elements;
             census.curved += usize::from(elements == 0 && !matches!(object.shape, ObjectShape::Mesh(_)));
-            if object.emission.is_some_and(|e| !e.is_black()) {
+            if object.emission.as_ref().is_some_and(|e| *e != Texture::Constant(Rgb::BLACK)) {
                 census.lights.area_objects += 1;
                 census.lights.area_elements += elements.max(1);
             }
@@ -150,6 +153,7 @@ impl Census {
             *match light.kind {
                 DeltaLight::Point { .. } => &mut census.lights.point,
                 DeltaLight::Spot { .. } => &mut census.lights.spot,
+                DeltaLight::Projector { .. } => &mut census.lights.projector,
                 DeltaLight::Directional { .. } => &mut census.lights.directional,
             } += 1;
         }
@@ -181,7 +185,7 @@ impl Census {
     /// Whether there is any light.
     pub fn is_lit(&self) -> bool {
         let l = &self.lights;
-        l.area_elements + l.point + l.spot + l.directional > 0 || self.environment.is_some()
+        l.area_elements + l.point + l.spot + l.projector + l.directional > 0 || self.environment.is_some()
     }
 
     /// Whether light can reach a receiver by way of a caster.
@@ -204,7 +208,13 @@ impl Census {
 
 /// The lobes of a material with the range of their roughness.
 fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32, f32))>) {
-    let width = |r: &Option<Roughness>| r.map_or((0.0, 0.0), |r| (r.alpha.min_element(), r.alpha.max_element()));
+    let width = |r: &Option<RoughnessTexture>| {
+        let values = r.iter().flat_map(|r| [r.alpha_u.values(), r.alpha_v.values()]).flatten();
+        values.fold(None, |range: Option<(f32, f32)>, a| {
+            Some(range.map_or((a, a), |(least, most)| (least.min(a), most.max(a))))
+        })
+    };
+    let width = |r| width(r).unwrap_or((0.0, 0.0));
     match material {
         Material::Lambert { .. } => lobes.push((LobeKind::Lambert, (1.0, 1.0))),
         Material::Conductor { roughness, .. } => lobes
@@ -213,6 +223,11 @@ fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32, f32))>) {
             if roughness.is_some() { LobeKind::RoughDielectric } else { LobeKind::Dielectric },
             width(roughness),
         )),
+        Material::Mask { material, .. } | Material::Relief { material, .. } => collect_lobes(material, lobes),
+        Material::ThinDielectric { .. }
+        | Material::Plastic { .. }
+        | Material::Principled(_)
+        | Material::PrincipledThin(_) => unimplemented!(),
         Material::Mix { first, second, .. } => {
             collect_lobes(first, lobes);
             collect_lobes(second, lobes);

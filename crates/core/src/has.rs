@@ -12,10 +12,12 @@ pub const INSTANCES: u32 = 2;
 pub const LOBES: u32 = 4;
 /// Light from infinity: an environment or a directional light.
 pub const INFINITE: u32 = 8;
-/// Textures: a material's parameters depend on where it is hit.
+/// Textures: a material's parameters or normals, or what a light emits, depend on where it is hit.
 pub const TEXTURES: u32 = 16;
+/// Absorption inside objects. Rare enough that such scenes run the loop that can do anything.
+pub const MEDIA: u32 = 32;
 /// Every bit: the loop that can do anything.
-pub const ALL: u32 = 31;
+pub const ALL: u32 = 63;
 
 /// Calls an expression with the scene's feature bits as a constant.
 ///
@@ -30,7 +32,7 @@ pub const ALL: u32 = 31;
 macro_rules! specialise {
     ($bits:expr, $HAS:ident => $body:expr) => {
         $crate::specialise!(@arms $bits, $HAS, $body,
-            0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30)
+            0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31)
     };
     (@arms $bits:expr, $HAS:ident, $body:expr, $($n:literal)*) => {
         match $bits {

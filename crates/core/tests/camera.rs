@@ -17,7 +17,8 @@ fn look_at() -> DAffine3 {
 }
 
 fn camera(projection: Projection, width: u32, height: u32) -> Camera {
-    let description = CameraDescription { projection, to_world: look_at(), resolution: UVec2::new(width, height) };
+    let description =
+        CameraDescription { projection, to_world: look_at(), resolution: UVec2::new(width, height), crop: None };
     Camera::new(&description, DVec3::ZERO).expect("the camera is valid")
 }
 
@@ -247,6 +248,7 @@ fn the_transform_keeps_its_directions_alone() {
         projection: perspective(39.3),
         to_world: DAffine3::from_translation(far) * look_at() * DAffine3::from_scale(DVec3::new(3.0, 0.5, 2.0)),
         resolution: UVec2::splat(256),
+        crop: None,
     };
     let film = Vec2::new(200.0, 57.0);
     let ray = Camera::new(&description, far).expect("it is valid").sample_ray(film, Vec2::ZERO);
@@ -263,8 +265,12 @@ fn the_transform_keeps_its_directions_alone() {
 
 #[test]
 fn invalid_cameras_are_refused() {
-    let valid =
-        CameraDescription { projection: perspective(40.0), to_world: look_at(), resolution: UVec2::new(64, 48) };
+    let valid = CameraDescription {
+        projection: perspective(40.0),
+        to_world: look_at(),
+        resolution: UVec2::new(64, 48),
+        crop: None,
+    };
     let error = |d: &CameraDescription| Camera::new(d, DVec3::ZERO).expect_err("it is not valid");
     let empty = UVec2::new(0, 48);
     assert_eq!(error(&CameraDescription { resolution: empty, ..valid.clone() }), CameraError::Resolution(empty));

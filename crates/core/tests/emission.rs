@@ -31,7 +31,7 @@ fn delta(light: DeltaLight) -> Lights {
 
 fn spot(beam: f64, cutoff: f64) -> DeltaLight {
     let (position, direction) = (DVec3::new(0.3, 0.2, 0.1), DVec3::new(1.0, -2.0, 0.5));
-    DeltaLight::Spot { position, direction, intensity: Rgb::WHITE, beam, cutoff }
+    DeltaLight::Spot { position, direction, intensity: Rgb::WHITE, beam, cutoff, image: None }
 }
 
 fn noise() -> Environment {
@@ -102,8 +102,8 @@ fn the_weights_of_all_lights_add_up() {
     let mut expected = 0.0;
     let (mut random, n) = (Random::new(32), 400_000);
     for single in shapes.iter().map(|s| Lights::build(vec![*s], vec![], None, WORLD, LightChoice::Power)).chain([
-        delta(points[0]),
-        delta(points[1]),
+        delta(points[0].clone()),
+        delta(points[1].clone()),
         sky(noise()),
     ]) {
         // One light alone: its luminance is the same for every ray.

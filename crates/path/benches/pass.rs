@@ -32,6 +32,7 @@ fn camera(eye: DVec3, target: DVec3, fov_x: f64) -> CameraDescription {
         projection: Projection::Perspective { fov_x },
         to_world: look_at_affine3(eye, target, DVec3::Y).inverse(),
         resolution: UVec2::splat(SIZE),
+        crop: None,
     }
 }
 
@@ -40,7 +41,7 @@ fn material(name: &str, material: Material) -> NamedMaterial {
 }
 
 fn object(name: &str, shape: ObjectShape, to_world: DAffine3, material: usize) -> Object {
-    Object { name: name.into(), shape, to_world, material, emission: None }
+    Object { name: name.into(), shape, to_world, material, emission: None, absorption: None }
 }
 
 fn ball(name: &str, center: DVec3, radius: f64, material: usize) -> Object {
@@ -69,7 +70,7 @@ fn diffuse_room() -> SceneDescription {
             object("walls", ObjectShape::Cube, DAffine3::IDENTITY, 0),
             block("tall", DVec3::new(0.25, 0.6, 0.25), 0.3, DVec3::new(-0.4, -0.4, -0.4)),
             block("low", DVec3::new(0.25, 0.3, 0.25), -0.3, DVec3::new(0.4, -0.7, 0.0)),
-            Object { emission: Some(Rgb::splat(8.0)), ..light },
+            Object { emission: Some(Rgb::splat(8.0).into()), ..light },
         ],
         ..SceneDescription::default()
     }
@@ -79,10 +80,10 @@ fn diffuse_room() -> SceneDescription {
 fn glossy_room() -> SceneDescription {
     let mut scene = diffuse_room();
     scene.name = "glossy room".into();
-    scene.materials.push(material("glass", Material::Dielectric { eta: 1.5, roughness: None }));
+    scene.materials.push(material("glass", Material::dielectric(1.5, None)));
     let roughness = Roughness { distribution: Distribution::Ggx, alpha: Vec2::splat(0.2) };
     let fresnel = ConductorFresnel::Constant(Rgb::new(0.9, 0.7, 0.4));
-    scene.materials.push(material("metal", Material::Conductor { fresnel, roughness: Some(roughness) }));
+    scene.materials.push(material("metal", Material::conductor(fresnel, Some(roughness))));
     scene.objects.retain(|o| o.name != "tall" && o.name != "low");
     scene.objects.push(ball("glass", DVec3::new(0.4, -0.6, 0.1), 0.35, 1));
     scene.objects.push(ball("metal", DVec3::new(-0.4, -0.6, -0.3), 0.35, 2));

@@ -15,6 +15,7 @@
 //!         projection: Projection::Perspective { fov_x: 0.5 },
 //!         to_world: look_at_affine3(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y).inverse(),
 //!         resolution: UVec2::new(4, 4),
+//!         crop: None,
 //!     }),
 //!     materials: vec![NamedMaterial {
 //!         name: "white".into(),
@@ -27,6 +28,7 @@
 //!         to_world: DAffine3::from_scale(DVec3::splat(9.0)),
 //!         material: 0,
 //!         emission: None,
+//!         absorption: None,
 //!     }],
 //!     environment: Some(etendue_core::lights::environment::Environment::Constant(Rgb::WHITE)),
 //!     ..SceneDescription::default()

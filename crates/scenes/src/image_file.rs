@@ -19,7 +19,7 @@ const TEXELS_PER_BYTE: u64 = 1032;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// The image; all its values are finite and not negative.
-    pub bitmap: Bitmap,
+    pub bitmap: Bitmap<Rgb>,
     /// How many texels were negative, infinite or not numbers, and are black now.
     pub zeroed: usize,
 }

@@ -106,6 +106,7 @@ impl Reader {
         let Reader { positions, normals, uvs, corners, triangles, .. } = self;
         let at = |i: u32| i as usize;
         let mut mesh = Mesh {
+            colors: Vec::new(),
             positions: corners.iter().map(|c| positions[at(c.0)]).collect(),
             normals: Vec::new(),
             uvs: Vec::new(),

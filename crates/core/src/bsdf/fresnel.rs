@@ -57,6 +57,15 @@ fn ratio(a: f32, b: f32) -> f32 {
 }
 
 impl ConductorFresnel {
+    /// With every reflectance multiplied by a colour.
+    #[inline]
+    pub fn tinted(self, color: Rgb) -> ConductorFresnel {
+        match self {
+            ConductorFresnel::Constant(reflectance) => ConductorFresnel::Constant(reflectance * color),
+            ConductorFresnel::Complex { eta, k, tint } => ConductorFresnel::Complex { eta, k, tint: tint * color },
+        }
+    }
+
     /// The reflectance at the cosine `cos` to the normal.
     #[inline]
     pub fn reflectance(&self, cos: f32) -> Rgb {

@@ -13,8 +13,19 @@ pub struct CameraDescription {
     /// From the camera's space to the world: the camera stands at the origin, looks along +z, +y is up and +x is to
     /// the left of the image (as in Mitsuba). Any scale in it is ignored.
     pub to_world: DAffine3,
-    /// Pixels.
+    /// Pixels of the whole film.
     pub resolution: UVec2,
+    /// The part of it that is rendered; all of it without one.
+    pub crop: Option<Crop>,
+}
+
+/// A rectangle of pixels of a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// Its first column and row.
+    pub offset: UVec2,
+    /// Its size, positive, within the film.
+    pub size: UVec2,
 }
 
 /// The kinds of projection.

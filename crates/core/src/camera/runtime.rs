@@ -79,7 +79,7 @@ impl Camera {
     /// # Errors
     /// See [`CameraError`].
     pub fn new(description: &CameraDescription, recentre: DVec3) -> Result<Camera, CameraError> {
-        let CameraDescription { projection, to_world, resolution } = *description;
+        let CameraDescription { projection, to_world, resolution, crop: _ } = *description;
         if resolution.x == 0 || resolution.y == 0 {
             return Err(CameraError::Resolution(resolution));
         }

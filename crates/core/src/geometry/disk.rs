@@ -5,7 +5,7 @@ use super::{
     offset::gamma,
     surface::{Local, tangent},
 };
-use crate::ray::Ray;
+use crate::{ray::Ray, rgb::Rgb};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -61,6 +61,7 @@ impl Disk {
             ns: ng,
             dpdu: if around.length_squared() > 0.0 { around } else { s },
             uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, (arm.length() as f32 / self.radius).min(1.0)),
+            color: Rgb::WHITE,
         }
     }
 }

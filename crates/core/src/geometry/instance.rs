@@ -77,7 +77,7 @@ impl Placed {
         let ns = if ns.dot(ng) < 0.0 { -ns } else { ns };
         let dpdu = (linear * local.dpdu.as_dvec3()).as_vec3();
         let dpdu = if dpdu.is_finite() && dpdu.length_squared() > 0.0 { dpdu } else { tangent(ng) };
-        Local { p, p_error, ng, ns, dpdu, uv: local.uv }
+        Local { p, p_error, ng, ns, dpdu, uv: local.uv, color: local.color }
     }
 }
 

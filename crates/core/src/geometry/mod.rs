@@ -13,6 +13,7 @@ mod world;
 
 pub use world::Geometry;
 
+use crate::rgb::Rgb;
 use glam::{Affine3A, Vec2, Vec3};
 
 /// An indexed triangle mesh in world space (or in the space of its group).
@@ -24,6 +25,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// One texture coordinate a vertex; empty: barycentrics serve instead.
     pub uvs: Vec<Vec2>,
+    /// One colour a vertex, for [`crate::texture::Texture::VertexColor`]; empty: white.
+    pub colors: Vec<Rgb>,
     /// Vertex indices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -104,6 +107,8 @@ pub struct Surface {
     pub dpdu: Vec3,
     /// Texture coordinates; zero where the scene has no textures.
     pub uv: Vec2,
+    /// Interpolated vertex colour; white where there is none.
+    pub color: Rgb,
     /// Index of the shape: those of the top level first, then those of each group in order.
     pub shape: u32,
     /// Index of the primitive within its shape (a mesh's triangle; 0 for others).

@@ -5,7 +5,7 @@ use super::{
     offset::gamma,
     surface::{Local, tangent},
 };
-use crate::{has::TEXTURES, ray::Ray};
+use crate::{has::TEXTURES, ray::Ray, rgb::Rgb};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -78,6 +78,7 @@ impl Sphere {
             ns: ng,
             dpdu: if east.length_squared() > 0.0 { east } else { tangent(ng) },
             uv,
+            color: Rgb::WHITE,
         }
     }
 }

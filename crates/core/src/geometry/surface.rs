@@ -1,5 +1,6 @@
 //! What is known at a hit, before it is known which shape it belongs to.
 
+use crate::rgb::Rgb;
 use glam::{Vec2, Vec3};
 
 /// A [`Surface`](super::Surface) without its shape; in the space of its shape.
@@ -11,6 +12,7 @@ pub(super) struct Local {
     pub ns: Vec3,
     pub dpdu: Vec3,
     pub uv: Vec2,
+    pub color: Rgb,
 }
 
 /// A unit vector at right angles to the unit vector `n`. [Duff et al. 2017, listing 3]

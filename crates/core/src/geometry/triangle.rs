@@ -5,7 +5,10 @@ use super::{
     offset::{ROUNDOFF, gamma},
     surface::{Local, tangent},
 };
-use crate::has::{LOBES, TEXTURES};
+use crate::{
+    has::{LOBES, TEXTURES},
+    rgb::Rgb,
+};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Padding of a triangle's box, as a multiple of its largest extent.
@@ -72,7 +75,7 @@ impl Mesh {
             }
         };
         if HAS & (TEXTURES | LOBES) == 0 {
-            return Local { p, p_error, ng, ns, dpdu: Vec3::ZERO, uv: Vec2::ZERO };
+            return Local { p, p_error, ng, ns, dpdu: Vec3::ZERO, uv: Vec2::ZERO, color: Rgb::WHITE };
         }
         let (uv, dpdu) = if self.uvs.is_empty() {
             (Vec2::new(u, v), b - a)
@@ -87,6 +90,12 @@ impl Mesh {
         // Length and direction must survive being squared; a degenerate parametrisation has any tangent.
         let square = dpdu.length_squared();
         let dpdu = if square.is_finite() && square > 0.0 { dpdu } else { tangent(ng) };
-        Local { p, p_error, ng, ns, dpdu, uv }
+        let color = if HAS & TEXTURES == 0 || self.colors.is_empty() {
+            Rgb::WHITE
+        } else {
+            let [i, j, k] = self.triangles[element as usize];
+            self.colors[i as usize] * w + self.colors[j as usize] * u + self.colors[k as usize] * v
+        };
+        Local { p, p_error, ng, ns, dpdu, uv, color }
     }
 }

@@ -110,6 +110,7 @@ impl Geometry {
             ns: local.ns,
             dpdu: local.dpdu,
             uv: local.uv,
+            color: local.color,
             shape,
             element,
         }

@@ -39,9 +39,10 @@ pub(super) struct SpotCone {
 
 impl From<&DeltaLight> for Delta {
     fn from(light: &DeltaLight) -> Delta {
-        match *light {
+        match light.clone() {
+            DeltaLight::Projector { .. } => unimplemented!(),
             DeltaLight::Point { position, intensity } => Delta::Point { position: position.as_vec3(), intensity },
-            DeltaLight::Spot { position, direction, intensity, beam, cutoff } => {
+            DeltaLight::Spot { position, direction, intensity, beam, cutoff, .. } => {
                 let axis = direction.normalize().as_vec3();
                 Delta::Spot { position: position.as_vec3(), intensity, cone: SpotCone::new(axis, beam, cutoff) }
             }

@@ -12,7 +12,7 @@ pub enum Environment {
     LatLong {
         /// The image; row 0 is towards +y, bilinearly interpolated. In the image's space a direction `d` lies at
         /// `u = atan2(d.x, -d.z) / 2 pi`, `v = acos(d.y) / pi` (v counted from the top), as in Mitsuba.
-        image: Arc<Bitmap>,
+        image: Arc<Bitmap<Rgb>>,
         /// Factor on its values.
         scale: f32,
         /// Rotation from the image's space to the world.

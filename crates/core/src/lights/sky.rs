@@ -37,7 +37,7 @@ pub(super) struct SkySample {
 /// for every sample of a grey image: a sun of one texel leaves no fireflies.
 #[derive(Clone, Debug)]
 pub(super) struct LatLong {
-    image: Arc<Bitmap>,
+    image: Arc<Bitmap<Rgb>>,
     scale: f32,
     to_world: Mat3,
     rows: Rows,
@@ -112,7 +112,7 @@ impl Sky {
 }
 
 impl LatLong {
-    fn new(image: Arc<Bitmap>, scale: f32, to_world: Mat3, rows: Rows) -> LatLong {
+    fn new(image: Arc<Bitmap<Rgb>>, scale: f32, to_world: Mat3, rows: Rows) -> LatLong {
         let (width, height) = (image.width as usize, image.height as usize);
         let mut weights = Vec::with_capacity(width * (height + 1));
         let luminance = |x: usize, y: usize| f64::from(image.texels[y * width + x].luminance());

@@ -2,6 +2,7 @@
 
 use crate::{
     camera::CameraDescription, geometry::Mesh, lights::environment::Environment, material::Material, rgb::Rgb,
+    texture::Texture,
 };
 use glam::{DAffine3, DVec3};
 
@@ -50,7 +51,9 @@ pub struct Object {
     /// Index into [`SceneDescription::materials`].
     pub material: usize,
     /// Radiance emitted from the side that the normal points to.
-    pub emission: Option<Rgb>,
+    pub emission: Option<Texture<Rgb>>,
+    /// What is inside absorbs this share of the light a metre (Beer's law), where the surface lets light in at all.
+    pub absorption: Option<Rgb>,
 }
 
 /// A shape in its own space.
@@ -69,6 +72,17 @@ pub enum ObjectShape {
     },
     /// The disk of radius 1 about the origin in the plane z = 0, normal +z; its transform may scale x and y alike only.
     Disk,
+    /// The side of a cylinder, without its ends; its transform may scale uniformly only.
+    Cylinder {
+        /// Middle of the one end.
+        from: DVec3,
+        /// Middle of the other end.
+        to: DVec3,
+        /// Radius, positive.
+        radius: f64,
+        /// Whether the normal points inwards.
+        inverted: bool,
+    },
     /// The square from -1 to 1 in x and y in the plane z = 0, normal +z (two triangles).
     Rectangle,
     /// The cube from -1 to 1 in each coordinate, normals outwards (twelve triangles).
@@ -103,7 +117,7 @@ pub struct LightDescription {
 }
 
 /// The kinds of light without an extent.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum DeltaLight {
     /// The same in every direction.
     Point {
@@ -124,6 +138,20 @@ pub enum DeltaLight {
         beam: f64,
         /// Half-angle beyond which there is none, radians, in (0, pi].
         cutoff: f64,
+        /// Factor on the intensity over the cone, and which way is up in it.
+        image: Option<(Texture<Rgb>, DVec3)>,
+    },
+    /// A slide projector: the radiant intensity is that which makes `irradiance` on a plane at right angles to the axis at
+    /// distance 1, the image filling the field of view.
+    Projector {
+        /// From the projector's space to the world; it projects along +z, with +y up and +x to the left.
+        to_world: DAffine3,
+        /// Full horizontal field of view, radians, in (0, pi).
+        fov_x: f64,
+        /// Width of the image over its height, positive.
+        aspect: f64,
+        /// Irradiance over the image, W/m².
+        irradiance: Texture<Rgb>,
     },
     /// Parallel light from infinity.
     Directional {

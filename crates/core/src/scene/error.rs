@@ -107,9 +107,12 @@ pub enum Problem {
     /// A sphere or disk would become an ellipsoid or an ellipse.
     #[error("its transform does not scale {0} uniformly")]
     NonUniformScale(&'static str),
-    /// A member of a mixture is a mixture.
-    #[error("it mixes a mixture")]
+    /// A member of a mixture, or what a mask is on, is a mixture or a mask.
+    #[error("mixtures and masks hold neither mixtures nor masks")]
     NestedMixture,
+    /// A relief inside a mixture, a mask or another relief.
+    #[error("a bump or normal map inside another, a mixture or a mask")]
+    NestedRelief,
     /// A light stands in a group.
     #[error("object '{0}' emits light, which an instanced object cannot do yet")]
     EmitterInGroup(String),

@@ -18,6 +18,7 @@ use crate::{
     material::Material,
     ray::Ray,
     rgb::Rgb,
+    texture::{Texture, TexturePoint},
 };
 use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3};
 use place::{Placed, object_error, place};
@@ -102,13 +103,13 @@ impl Scene {
         let camera = Camera::new(camera, middle)?;
         let geometry = Geometry::build(shapes, groups, instances.collect());
         let world = bounding_sphere(&geometry);
-        let delta = description.lights.iter().map(|l| recentre(l.kind, middle)).collect();
+        let delta = description.lights.iter().map(|l| recentre(l.kind.clone(), middle)).collect();
         let lights = Lights::build(area, delta, description.environment.clone(), world, choice);
         let materials = description
             .materials
             .iter()
             .map(|m| PlacedMaterial {
-                constant: m.material.bsdf(Vec2::ZERO, m.two_sided),
+                constant: m.material.bsdf(&TexturePoint { uv: Vec2::ZERO, color: Rgb::WHITE }, m.two_sided),
                 textured: m.material.is_textured().then(|| m.material.clone()),
             })
             .collect();
@@ -199,7 +200,8 @@ impl Scene {
         if HAS & has::TEXTURES != 0
             && let Some(textured) = &material.textured
         {
-            return textured.bsdf(surface.uv, material.constant.two_sided);
+            let point = TexturePoint { uv: surface.uv, color: surface.color };
+            return textured.bsdf(&point, material.constant.two_sided);
         }
         // A Lambert surface has little to copy; a copy of the whole is several times as long.
         match material.constant {
@@ -249,8 +251,12 @@ fn bounding_sphere(geometry: &Geometry) -> BoundingSphere {
 fn recentre(light: DeltaLight, middle: DVec3) -> DeltaLight {
     match light {
         DeltaLight::Point { position, intensity } => DeltaLight::Point { position: position - middle, intensity },
-        DeltaLight::Spot { position, direction, intensity, beam, cutoff } => {
-            DeltaLight::Spot { position: position - middle, direction, intensity, beam, cutoff }
+        DeltaLight::Spot { position, direction, intensity, beam, cutoff, image } => {
+            DeltaLight::Spot { position: position - middle, direction, intensity, beam, cutoff, image }
+        }
+        DeltaLight::Projector { to_world, fov_x, aspect, irradiance } => {
+            let to_world = DAffine3 { translation: to_world.translation - middle, ..to_world };
+            DeltaLight::Projector { to_world, fov_x, aspect, irradiance }
         }
         directional @ DeltaLight::Directional { .. } => directional,
     }
@@ -261,7 +267,11 @@ fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>
     let mut area = Vec::new();
     let mut infos = Vec::with_capacity(shapes.len());
     for (object, shape) in description.objects.iter().zip(shapes) {
-        let emission = object.emission.unwrap_or(Rgb::BLACK);
+        let emission = match &object.emission {
+            Some(Texture::Constant(radiance)) => *radiance,
+            Some(_) => unimplemented!(),
+            None => Rgb::BLACK,
+        };
         let first_element = if emission.is_black() { NO_LIGHT } else { area.len() as u32 };
         if first_element != NO_LIGHT {
             let mut push = |shape| area.push(AreaLight { shape, radiance: emission });

@@ -4,7 +4,10 @@ use super::{
     description::{Object, ObjectShape},
     error::{Kind, Problem, SceneError},
 };
-use crate::geometry::{Disk, Mesh, Shape, Sphere};
+use crate::{
+    geometry::{Disk, Mesh, Shape, Sphere},
+    rgb::Rgb,
+};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 /// Largest relative difference between the scales along two axes that still counts as uniform: transforms come from
@@ -55,7 +58,7 @@ fn cube_faces() -> Vec<[DVec3; 4]> {
 /// What an object's shape is before rounding: what the world's bounds are taken from.
 pub(super) enum Placed {
     /// Positions in the world, the rest as the mesh has it.
-    Mesh { positions: Vec<DVec3>, normals: Vec<Vec3>, uvs: Vec<Vec2>, triangles: Vec<[u32; 3]> },
+    Mesh { positions: Vec<DVec3>, normals: Vec<Vec3>, uvs: Vec<Vec2>, colors: Vec<Rgb>, triangles: Vec<[u32; 3]> },
     /// A sphere in the world.
     Sphere { center: DVec3, radius: f64, inverted: bool },
     /// A disk in the world.
@@ -78,12 +81,12 @@ impl Placed {
     /// Moves the world's middle to the origin and rounds.
     pub(super) fn round(self, middle: DVec3) -> Result<Shape, Problem> {
         let shape = match self {
-            Placed::Mesh { positions, normals, uvs, triangles } => {
+            Placed::Mesh { positions, normals, uvs, colors, triangles } => {
                 let positions: Vec<Vec3> = positions.iter().map(|p| (*p - middle).as_vec3()).collect();
                 if let Some(index) = positions.iter().position(|p| !p.is_finite()) {
                     return Err(Problem::NotFinite { what: "position in the world", index });
                 }
-                Shape::Mesh(Mesh { positions, normals, uvs, triangles })
+                Shape::Mesh(Mesh { positions, normals, uvs, colors, triangles })
             }
             Placed::Sphere { center, radius, inverted } => {
                 Shape::Sphere(Sphere { center: (center - middle).as_vec3(), radius: radius as f32, inverted })
@@ -117,8 +120,11 @@ fn check_mesh(mesh: &Mesh) -> Result<(), Problem> {
     };
     finite("position", mesh.positions.iter().position(|p| !p.is_finite()))?;
     finite("normal", mesh.normals.iter().position(|n| !n.is_finite()))?;
+    finite("colour", mesh.colors.iter().position(|c| !c.is_valid()))?;
     finite("texture coordinate", mesh.uvs.iter().position(|t| !t.is_finite()))?;
-    for (what, count) in [("normals", mesh.normals.len()), ("texture coordinates", mesh.uvs.len())] {
+    for (what, count) in
+        [("normals", mesh.normals.len()), ("texture coordinates", mesh.uvs.len()), ("colours", mesh.colors.len())]
+    {
         if count != 0 && count != vertices {
             return Err(Problem::WrongCount { what, count, vertices });
         }
@@ -146,6 +152,7 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
             positions: positions.iter().map(|p| transform.transform_point3(*p)).collect(),
             normals: Vec::new(),
             uvs,
+            colors: Vec::new(),
             triangles: triangles.into_iter().map(wind).collect(),
         }
     };
@@ -162,9 +169,11 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
                     .map(|n| (cofactors * n.as_dvec3()).normalize_or_zero().as_vec3())
                     .collect(),
                 uvs: mesh.uvs.clone(),
+                colors: mesh.colors.clone(),
                 triangles: mesh.triangles.iter().map(|t| wind(*t)).collect(),
             })
         }
+        ObjectShape::Cylinder { .. } => unimplemented!(),
         ObjectShape::Rectangle => Ok(place_quads(&[rectangle_face()])),
         ObjectShape::Cube => Ok(place_quads(&cube_faces())),
         ObjectShape::Sphere { center, radius, inverted } => {

@@ -6,11 +6,11 @@ use super::{
     place::{check_transform, object_error},
 };
 use crate::{
-    bsdf::{ConductorFresnel, Roughness},
+    bsdf::ConductorFresnel,
     lights::Lights,
-    material::Material,
+    material::{Material, Relief, RoughnessTexture},
     rgb::Rgb,
-    texture::Texture,
+    texture::{Texel, Texture},
 };
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ pub(super) fn check(scene: &SceneDescription) -> Result<(), SceneError> {
     for group in &scene.groups {
         for object in &group.objects {
             check_object(object, scene.materials.len()).map_err(|problem| object_error(object, problem))?;
-            if object.emission.is_some_and(|e| !e.is_black()) {
+            if emits(object) {
                 return Err(item(Kind::Group, &group.name)(Problem::EmitterInGroup(object.name.clone())));
             }
         }
@@ -47,7 +47,7 @@ pub(super) fn check(scene: &SceneDescription) -> Result<(), SceneError> {
         environment.check().map_err(|e| item(Kind::Environment, &scene.name)(Problem::Other(e)))?;
     }
     let all = scene.objects.iter().chain(scene.groups.iter().flat_map(|g| &g.objects));
-    let emitting = scene.objects.iter().filter(|o| o.emission.is_some_and(|e| !e.is_black()));
+    let emitting = scene.objects.iter().filter(|o| emits(o));
     let (primitives, lights) = (all.map(elements).sum(), emitting.map(elements).sum::<usize>() + scene.lights.len());
     // One bit is left for the hierarchy to tell leaves from nodes; one light may be the environment.
     for (count, limit) in [(primitives, 1 << 31), (lights, Lights::LIMIT)] {
@@ -58,12 +58,17 @@ pub(super) fn check(scene: &SceneDescription) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// Whether a shape sends out any light.
+fn emits(object: &Object) -> bool {
+    object.emission.as_ref().is_some_and(|t| !matches!(t, Texture::Constant(Rgb::BLACK)))
+}
+
 fn elements(object: &Object) -> usize {
     match &object.shape {
         super::ObjectShape::Mesh(mesh) => mesh.triangles.len(),
         super::ObjectShape::Cube => 12,
         super::ObjectShape::Rectangle => 2,
-        super::ObjectShape::Sphere { .. } | super::ObjectShape::Disk => 1,
+        super::ObjectShape::Sphere { .. } | super::ObjectShape::Disk | super::ObjectShape::Cylinder { .. } => 1,
     }
 }
 
@@ -77,28 +82,21 @@ fn check_index(what: &'static str, index: usize, target: &str, value: usize, cou
 
 fn check_object(object: &Object, materials: usize) -> Result<(), Problem> {
     check_index("it", 0, "material", object.material, materials)?;
-    check_colour("emission", object.emission.unwrap_or(Rgb::BLACK), f32::MAX)
+    object.emission.iter().try_for_each(|t| check_texture("emission", t, f32::MAX))?;
+    object.absorption.iter().try_for_each(|c| check_colour("absorption", *c, f32::MAX))
 }
 
 /// A colour is finite, not negative, and at most `most` in each component.
 fn check_colour(what: &'static str, c: Rgb, most: f32) -> Result<(), Problem> {
-    for (index, v) in c.to_array().into_iter().enumerate() {
-        if !v.is_finite() {
-            return Err(Problem::NotFinite { what, index });
-        }
-        if !(0.0..=most).contains(&v) {
-            let expected = if most == 1.0 { "in [0, 1]" } else { "zero or positive" };
-            return Err(Problem::OutOfRange { what, value: f64::from(v), expected });
-        }
-    }
-    Ok(())
+    Rgb::check(what, c, 0.0, most)
 }
 
 fn check_material(material: &Material) -> Result<(), Problem> {
     match material {
-        Material::Lambert { reflectance } => check_texture(reflectance),
-        Material::Conductor { fresnel, roughness } => {
+        Material::Lambert { reflectance } => check_texture("reflectance", reflectance, 1.0),
+        Material::Conductor { fresnel, tint, roughness } => {
             check_roughness(roughness)?;
+            check_texture("tint", tint, 1.0)?;
             match fresnel {
                 ConductorFresnel::Constant(c) => check_colour("reflectance", *c, 1.0),
                 ConductorFresnel::Complex { eta, k, tint } => {
@@ -108,58 +106,180 @@ fn check_material(material: &Material) -> Result<(), Problem> {
                 }
             }
         }
-        Material::Dielectric { eta, roughness } => {
+        Material::Dielectric { eta, reflectance, transmittance, roughness } => {
             check_roughness(roughness)?;
-            let value = f64::from(*eta);
-            if eta.is_finite() && *eta > 0.0 {
-                Ok(())
-            } else {
-                Err(Problem::OutOfRange { what: "index of refraction", value, expected: "positive and finite" })
-            }
+            check_eta(*eta)?;
+            check_texture("reflectance", reflectance, 1.0)?;
+            check_texture("transmittance", transmittance, 1.0)
         }
-        Material::Mix { first, second, weight } => {
-            if !(0.0..=1.0).contains(weight) {
-                return Err(Problem::OutOfRange { what: "weight", value: f64::from(*weight), expected: "in [0, 1]" });
-            }
-            for member in [first, second] {
-                if matches!(**member, Material::Mix { .. }) {
-                    return Err(Problem::NestedMixture);
-                }
-                check_material(member)?;
+        Material::ThinDielectric { eta, reflectance, transmittance } => {
+            check_eta(*eta)?;
+            check_texture("reflectance", reflectance, 1.0)?;
+            check_texture("transmittance", transmittance, 1.0)
+        }
+        Material::Plastic { eta, diffuse, specular, nonlinear: _, roughness } => {
+            check_eta(*eta)?;
+            check_texture("diffuse reflectance", diffuse, 1.0)?;
+            check_texture("specular reflectance", specular, 1.0)?;
+            roughness.iter().try_for_each(|(_, alpha)| check_texture_between("roughness", &(*alpha).into(), ALPHA))
+        }
+        Material::Principled(p) => {
+            check_eta(p.eta)?;
+            check_texture("base colour", &p.base_color, 1.0)?;
+            for (what, texture) in [
+                ("roughness", &p.roughness),
+                ("anisotropy", &p.anisotropic),
+                ("metallic share", &p.metallic),
+                ("specular transmission", &p.spec_trans),
+                ("specular tint", &p.spec_tint),
+                ("sheen", &p.sheen),
+                ("sheen tint", &p.sheen_tint),
+                ("flatness", &p.flatness),
+                ("clear coat", &p.clearcoat),
+                ("gloss of the clear coat", &p.clearcoat_gloss),
+            ] {
+                check_texture(what, texture, 1.0)?;
             }
             Ok(())
         }
+        Material::PrincipledThin(p) => {
+            check_eta(p.eta)?;
+            check_texture("base colour", &p.base_color, 1.0)?;
+            for (what, texture) in [
+                ("roughness", &p.roughness),
+                ("anisotropy", &p.anisotropic),
+                ("specular transmission", &p.spec_trans),
+                ("specular tint", &p.spec_tint),
+                ("sheen", &p.sheen),
+                ("sheen tint", &p.sheen_tint),
+                ("flatness", &p.flatness),
+            ] {
+                check_texture(what, texture, 1.0)?;
+            }
+            check_texture("diffuse transmission", &p.diff_trans, 2.0)
+        }
+        Material::Mix { first, second, weight } => {
+            check_texture("weight", weight, 1.0)?;
+            [first, second].into_iter().try_for_each(|member| check_member(member))
+        }
+        Material::Mask { opacity, material } => {
+            check_texture("opacity", opacity, 1.0)?;
+            check_member(material)
+        }
+        Material::Relief { relief, material } => {
+            match relief {
+                Relief::Bump { height, scale } => {
+                    check_texture_between("height", height, (f32::MIN, f32::MAX))?;
+                    check_texture_between("scale of the height", &(*scale).into(), (f32::MIN, f32::MAX))?;
+                }
+                Relief::NormalMap { normals } => check_texture("normal", normals, 1.0)?,
+            }
+            // Of what a relief is on, the frame is one; so it stands outside everything else.
+            if matches!(**material, Material::Relief { .. }) {
+                return Err(Problem::NestedRelief);
+            }
+            check_material(material)
+        }
     }
 }
 
-fn check_texture(texture: &Texture) -> Result<(), Problem> {
-    match texture {
-        Texture::Constant(c) => check_colour("reflectance", *c, 1.0),
-        Texture::Checkerboard { even, odd, scale } => {
-            check_colour("reflectance", *even, 1.0)?;
-            check_colour("reflectance", *odd, 1.0)?;
-            if scale.is_finite() { Ok(()) } else { Err(Problem::NotFinite { what: "texture scale", index: 0 }) }
+/// A member of a mixture or mask: neither of these again, and the relief is the whole's.
+fn check_member(material: &Material) -> Result<(), Problem> {
+    match material {
+        Material::Mix { .. } | Material::Mask { .. } => Err(Problem::NestedMixture),
+        Material::Relief { .. } => Err(Problem::NestedRelief),
+        other => check_material(other),
+    }
+}
+
+fn check_eta(eta: f32) -> Result<(), Problem> {
+    if eta.is_finite() && eta > 0.0 {
+        Ok(())
+    } else {
+        let value = f64::from(eta);
+        Err(Problem::OutOfRange { what: "index of refraction", value, expected: "positive and finite" })
+    }
+}
+
+/// Values that can be held against bounds.
+trait Bounded: Texel {
+    fn check(what: &'static str, value: Self, least: f32, most: f32) -> Result<(), Problem>;
+}
+
+impl Bounded for f32 {
+    fn check(what: &'static str, value: f32, least: f32, most: f32) -> Result<(), Problem> {
+        if !value.is_finite() {
+            return Err(Problem::NotFinite { what, index: 0 });
         }
-        Texture::Bitmap(bitmap) => {
+        if (least..=most).contains(&value) { Ok(()) } else { Err(out_of_range(what, value, least, most)) }
+    }
+}
+
+impl Bounded for Rgb {
+    fn check(what: &'static str, value: Rgb, least: f32, most: f32) -> Result<(), Problem> {
+        for (index, v) in value.to_array().into_iter().enumerate() {
+            if !v.is_finite() {
+                return Err(Problem::NotFinite { what, index });
+            }
+            if !(least..=most).contains(&v) {
+                return Err(out_of_range(what, v, least, most));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn out_of_range(what: &'static str, value: f32, least: f32, most: f32) -> Problem {
+    let expected = match (least, most) {
+        (0.0, 1.0) => "in [0, 1]",
+        (0.0, 2.0) => "in [0, 2]",
+        ALPHA => "in [0.0001, 1] (a smooth surface has no roughness)",
+        _ => "zero or positive",
+    };
+    Problem::OutOfRange { what, value: f64::from(value), expected }
+}
+
+/// Roughness of microfacets.
+const ALPHA: (f32, f32) = (1e-4, 1.0);
+
+/// Every value is finite, not negative, and at most `most`.
+fn check_texture<T: Bounded>(what: &'static str, texture: &Texture<T>, most: f32) -> Result<(), Problem> {
+    check_texture_between(what, texture, (0.0, most))
+}
+
+fn check_texture_between<T: Bounded>(
+    what: &'static str,
+    texture: &Texture<T>,
+    (least, most): (f32, f32),
+) -> Result<(), Problem> {
+    let check = |value: T| T::check(what, value, least, most);
+    let to_uv = match texture {
+        Texture::Constant(value) => return check(*value),
+        // Vertex colours are checked with their meshes.
+        Texture::VertexColor => return Ok(()),
+        Texture::Checkerboard { even, odd, to_uv } => {
+            check(*even)?;
+            check(*odd)?;
+            to_uv
+        }
+        Texture::Bitmap { bitmap, to_uv, .. } => {
             let expected = bitmap.width as usize * bitmap.height as usize;
             if expected == 0 || bitmap.texels.len() != expected {
-                let problem =
-                    format!("its bitmap of {}x{} has {} texels", bitmap.width, bitmap.height, bitmap.texels.len());
-                return Err(Problem::Other(problem));
+                let (width, height, texels) = (bitmap.width, bitmap.height, bitmap.texels.len());
+                return Err(Problem::Other(format!("its bitmap of {width}x{height} has {texels} texels")));
             }
-            bitmap.texels.iter().try_for_each(|c| check_colour("reflectance", *c, 1.0))
+            bitmap.texels.iter().try_for_each(|value| check(*value))?;
+            to_uv
         }
-    }
+    };
+    if to_uv.is_finite() { Ok(()) } else { Err(Problem::NotFinite { what: "transform of a texture", index: 0 }) }
 }
 
-fn check_roughness(roughness: &Option<Roughness>) -> Result<(), Problem> {
-    for alpha in roughness.iter().flat_map(|r| r.alpha.to_array()) {
-        if !(1e-4..=1.0).contains(&alpha) {
-            let expected = "in [0.0001, 1] (a smooth surface has no roughness)";
-            return Err(Problem::OutOfRange { what: "roughness", value: f64::from(alpha), expected });
-        }
-    }
-    Ok(())
+fn check_roughness(roughness: &Option<RoughnessTexture>) -> Result<(), Problem> {
+    roughness
+        .iter()
+        .flat_map(|r| [&r.alpha_u, &r.alpha_v])
+        .try_for_each(|t| check_texture_between("roughness", t, ALPHA))
 }
 
 fn check_vector(what: &'static str, v: DVec3) -> Result<(), Problem> {
@@ -182,7 +302,8 @@ fn check_light(light: &DeltaLight) -> Result<(), Problem> {
             check_vector("position", *position)?;
             check_colour("intensity", *intensity, f32::MAX)
         }
-        DeltaLight::Spot { position, direction, intensity, beam, cutoff } => {
+        DeltaLight::Projector { .. } => unimplemented!(),
+        DeltaLight::Spot { position, direction, intensity, beam, cutoff, .. } => {
             check_vector("position", *position)?;
             check_direction(*direction)?;
             check_colour("intensity", *intensity, f32::MAX)?;

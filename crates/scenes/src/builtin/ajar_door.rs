@@ -55,7 +55,7 @@ fn build(values: &Values) -> LoadedScene {
 
     let lamp = (DVec3::X * 0.45, DVec3::Z * 0.45);
     let light = stage.rectangle("lamp", DVec3::new(0.75, 2.58, -3.2), lamp.0, lamp.1, dark);
-    light.emission = Some(Rgb::new(560.0, 500.0, 400.0));
+    light.emission = Some(Rgb::new(560.0, 500.0, 400.0).into());
 
     stage.cuboid("chest", DVec3::new(-1.35, 0.35, -0.5), DVec3::new(0.5, 0.35, 0.4), 12.0, cloth);
     stage.cuboid("table", DVec3::new(1.1, 0.4, -0.35), DVec3::new(0.5, 0.4, 0.5), -20.0, planks);

@@ -36,6 +36,6 @@ fn build(_: &Values) -> LoadedScene {
     stage.cuboid("low block", DVec3::new(0.45, 0.31, 0.22), DVec3::new(0.32, 0.31, 0.32), -16.0, white);
     let down = (DVec3::X * 0.28, DVec3::Z * 0.24);
     stage.rectangle("light", DVec3::new(0.0, 2.09, -0.1), down.0, down.1, dark).emission =
-        Some(Rgb::new(48.0, 38.0, 23.0));
+        Some(Rgb::new(48.0, 38.0, 23.0).into());
     stage.finish(12)
 }

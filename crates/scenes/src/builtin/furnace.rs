@@ -86,7 +86,7 @@ fn build(values: &Values) -> LoadedScene {
     if let ObjectShape::Sphere { inverted, .. } = &mut room.shape {
         *inverted = true;
     }
-    room.emission = Some(grey(values.number("emission")));
+    room.emission = Some(grey(values.number("emission")).into());
 
     let furnace =
         |has_ball| Furnace { emission: values.number("emission"), reflectance: values.number("reflectance"), has_ball };
@@ -95,7 +95,7 @@ fn build(values: &Values) -> LoadedScene {
         "conductor" => (mirror([1.0; 3]), Some(furnace(true))),
         "dielectric" => (glass(), Some(furnace(true))),
         "rough-conductor" => (rough_metal(Rgb::WHITE.to_array(), alpha), None),
-        "rough-dielectric" => (Material::Dielectric { eta: 1.5, roughness: Some(ggx(alpha)) }, None),
+        "rough-dielectric" => (Material::dielectric(1.5, Some(ggx(alpha))), None),
         _ => return LoadedScene { exact: Some(furnace(false)), ..stage.finish(64) },
     };
     let ball = stage.material("ball", ball);

@@ -42,6 +42,6 @@ fn build(values: &Values) -> LoadedScene {
     stage.sphere("glass ball", DVec3::new(0.42, 0.4, 0.3), 0.37, glass);
     let half = values.number("light");
     let light = stage.rectangle("light", DVec3::new(0.05, 1.98, 0.0), DVec3::X * half, DVec3::Z * half, dark);
-    light.emission = Some(Rgb::new(1.0, 0.82, 0.55) * (2.3 / (half * half)) as f32);
+    light.emission = Some((Rgb::new(1.0, 0.82, 0.55) * (2.3 / (half * half)) as f32).into());
     stage.finish(16)
 }

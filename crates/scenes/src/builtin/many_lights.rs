@@ -62,7 +62,7 @@ fn build(values: &Values) -> LoadedScene {
         let hue = uniform(0.0, 1.0);
         let light = stage.rectangle(&format!("light {i}"), place, u * half, normal.cross(u) * half, dark);
         let colour = Rgb::new(1.0, 0.75 + 0.2 * hue as f32, 0.5 + 0.5 * hue as f32);
-        light.emission = Some(colour * (radiance * (0.25 + 1.5 * uniform(0.0, 1.0))) as f32);
+        light.emission = Some((colour * (radiance * (0.25 + 1.5 * uniform(0.0, 1.0))) as f32).into());
     }
     stage.finish(8)
 }

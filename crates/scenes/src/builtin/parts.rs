@@ -30,6 +30,7 @@ impl Stage {
             projection: Projection::Perspective { fov_x: fov.to_radians() },
             to_world: look_at(from, to, DVec3::Y).expect("a built-in scene's camera does not look straight up or down"),
             resolution: UVec2::splat(RESOLUTION),
+            crop: None,
         };
         let description =
             SceneDescription { name: name.to_owned(), camera: Some(camera), ..SceneDescription::default() };
@@ -48,7 +49,14 @@ impl Stage {
     }
 
     fn object(&mut self, name: &str, shape: ObjectShape, to_world: DAffine3, material: usize) -> &mut Object {
-        self.description.objects.push(Object { name: name.to_owned(), shape, to_world, material, emission: None });
+        self.description.objects.push(Object {
+            name: name.to_owned(),
+            shape,
+            to_world,
+            material,
+            emission: None,
+            absorption: None,
+        });
         self.description.objects.last_mut().expect("an object was just added")
     }
 
@@ -132,17 +140,17 @@ pub(super) struct RoomWalls {
 
 /// A smooth mirror.
 pub(super) fn mirror(reflectance: [f32; 3]) -> Material {
-    Material::Conductor { fresnel: ConductorFresnel::Constant(reflectance.into()), roughness: None }
+    Material::conductor(ConductorFresnel::Constant(reflectance.into()), None)
 }
 
 /// A metal of GGX roughness with the same reflectance at every angle.
 pub(super) fn rough_metal(reflectance: [f32; 3], alpha: f32) -> Material {
-    Material::Conductor { fresnel: ConductorFresnel::Constant(reflectance.into()), roughness: Some(ggx(alpha)) }
+    Material::conductor(ConductorFresnel::Constant(reflectance.into()), Some(ggx(alpha)))
 }
 
 /// Smooth glass in vacuum.
 pub(super) fn glass() -> Material {
-    Material::Dielectric { eta: 1.5, roughness: None }
+    Material::dielectric(1.5, None)
 }
 
 /// The same GGX roughness in every direction.

@@ -41,7 +41,7 @@ fn build(values: &Values) -> LoadedScene {
     let half = values.number("light");
     let u = DVec3::X * half;
     let light = stage.rectangle("light", place, u, normal.cross(u), dark);
-    light.emission = Some(grey(13.0 / (half * half)));
+    light.emission = Some((grey(13.0 / (half * half))).into());
     stage.finish(10)
 }
 

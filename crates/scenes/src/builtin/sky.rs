@@ -51,7 +51,7 @@ fn build(values: &Values) -> LoadedScene {
     let copper = stage.material("copper", brushed_copper());
     let steel = stage.material("steel", rough_metal([0.68, 0.67, 0.65], 0.06));
     let glass = stage.material("glass", glass());
-    let frosted = stage.material("frosted glass", Material::Dielectric { eta: 1.5, roughness: Some(ggx(0.2)) });
+    let frosted = stage.material("frosted glass", Material::dielectric(1.5, Some(ggx(0.2))));
     stage.quad("ground", [[-25.0, 0.0, -25.0], [-25.0, 0.0, 25.0], [25.0, 0.0, 25.0], [25.0, 0.0, -25.0]], ground);
     stage.cuboid("wall", DVec3::new(0.2, 0.85, -2.2), DVec3::new(2.3, 0.85, 0.14), 4.0, chalk);
     stage.sphere("copper ball", DVec3::new(-1.75, 0.62, -0.3), 0.62, copper);
@@ -73,11 +73,11 @@ fn brushed_copper() -> Material {
     let fresnel =
         ConductorFresnel::Complex { eta: Rgb::new(0.21, 0.95, 1.16), k: Rgb::new(3.6, 2.58, 2.4), tint: Rgb::WHITE };
     let roughness = Roughness { distribution: Distribution::Ggx, alpha: Vec2::new(0.08, 0.3) };
-    Material::Conductor { fresnel, roughness: Some(roughness) }
+    Material::conductor(fresnel, Some(roughness))
 }
 
 /// A blue sky over grey ground, with a sun that adds `sun` times the sky's irradiance on the ground.
-fn sky_image(width: u32, elevation: f64, sun: f64) -> Bitmap {
+fn sky_image(width: u32, elevation: f64, sun: f64) -> Bitmap<Rgb> {
     let height = width / 2;
     let sun_direction =
         DVec3::new(-0.6, 0.0, 0.8) * elevation.to_radians().cos() + DVec3::Y * elevation.to_radians().sin();
@@ -140,7 +140,7 @@ fn sky_radiance(y: f64) -> Rgb {
 mod tests {
     use super::*;
 
-    fn irradiance_up(image: &Bitmap) -> f64 {
+    fn irradiance_up(image: &Bitmap<Rgb>) -> f64 {
         let (w, h) = (f64::from(image.width), f64::from(image.height));
         let mut sum = 0.0;
         for (i, texel) in image.texels.iter().enumerate() {

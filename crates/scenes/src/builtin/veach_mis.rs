@@ -44,8 +44,8 @@ fn build(_: &Values) -> LoadedScene {
     ];
     for (i, (x, radius, colour)) in lights.into_iter().enumerate() {
         let light = stage.sphere(&format!("light {i}"), row + DVec3::X * x, radius, dark);
-        light.emission = Some(Rgb::from(colour) * (1.0 / (radius * radius)) as f32);
+        light.emission = Some((Rgb::from(colour) * (1.0 / (radius * radius)) as f32).into());
     }
-    stage.sphere("fill light", DVec3::new(6.0, 8.0, 9.0), 0.7, dark).emission = Some(grey(95.0));
+    stage.sphere("fill light", DVec3::new(6.0, 8.0, 9.0), 0.7, dark).emission = Some(grey(95.0).into());
     stage.finish(10)
 }

@@ -121,15 +121,15 @@ impl<'r, 'd> Materials<'r, 'd> {
                 let reflectance = plugin.reflectance("reflectance")?.unwrap_or(Rgb::splat(0.5));
                 (Material::lambert(reflectance), false)
             }
-            "conductor" => (Material::Conductor { fresnel: conductor(&plugin)?, roughness: None }, false),
+            "conductor" => (Material::conductor(conductor(&plugin)?, None), false),
             "roughconductor" => {
                 let roughness = Some(self.roughness(&plugin)?);
-                (Material::Conductor { fresnel: conductor(&plugin)?, roughness }, false)
+                (Material::conductor(conductor(&plugin)?, roughness), false)
             }
-            "dielectric" => (Material::Dielectric { eta: relative_ior(&plugin)?, roughness: None }, false),
+            "dielectric" => (Material::dielectric(relative_ior(&plugin)?, None), false),
             "roughdielectric" => {
                 let roughness = Some(self.roughness(&plugin)?);
-                (Material::Dielectric { eta: relative_ior(&plugin)?, roughness }, false)
+                (Material::dielectric(relative_ior(&plugin)?, roughness), false)
             }
             "twosided" => (self.two_sided(&plugin)?, true),
             "blendbsdf" => self.blend(&plugin)?,
@@ -175,7 +175,10 @@ impl<'r, 'd> Materials<'r, 'd> {
             return Err(self.reader.error(place, "a blend of a twosided and a one-sided BSDF is not supported"));
         }
         let two_sided = first_sides || second_sides;
-        Ok((Material::Mix { first: Box::new(first), second: Box::new(second), weight: weight as f32 }, two_sided))
+        Ok((
+            Material::Mix { first: Box::new(first), second: Box::new(second), weight: (weight as f32).into() },
+            two_sided,
+        ))
     }
 
     fn roughness(&mut self, plugin: &Plugin) -> Result<Roughness, LoadError> {
@@ -211,9 +214,14 @@ impl<'r, 'd> Materials<'r, 'd> {
 
 fn transmits(material: &Material) -> bool {
     match material {
-        Material::Dielectric { .. } => true,
+        Material::Dielectric { .. }
+        | Material::ThinDielectric { .. }
+        | Material::Mask { .. }
+        | Material::Principled(_)
+        | Material::PrincipledThin(_) => true,
+        Material::Relief { material, .. } => transmits(material),
         Material::Mix { first, second, .. } => transmits(first) || transmits(second),
-        Material::Lambert { .. } | Material::Conductor { .. } => false,
+        Material::Lambert { .. } | Material::Conductor { .. } | Material::Plastic { .. } => false,
     }
 }
 

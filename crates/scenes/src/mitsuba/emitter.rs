@@ -141,6 +141,7 @@ fn spot(plugin: &Plugin) -> Result<DeltaLight, LoadError> {
         intensity,
         beam: beam.to_radians(),
         cutoff: cutoff.to_radians(),
+        image: None,
     })
 }
 

@@ -77,7 +77,7 @@ pub(super) fn sensor<'d>(
         }
     }
     plugin.finish()?;
-    Ok(Sensor { camera: CameraDescription { projection, to_world, resolution }, filter, samples })
+    Ok(Sensor { camera: CameraDescription { projection, to_world, resolution, crop: None }, filter, samples })
 }
 
 /// Whether the columns are of unit length and at right angles, to the digits that files carry.

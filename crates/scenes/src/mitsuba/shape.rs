@@ -51,11 +51,11 @@ impl<'d> Import<'_, 'd> {
         };
         let material = self.materials.of_shape(plugin.single("bsdf")?, &name)?;
         let emission = match plugin.single("emitter")? {
-            Some(emitter) => Some(area_radiance(self.reader, emitter)?),
+            Some(emitter) => Some(area_radiance(self.reader, emitter)?.into()),
             None => None,
         };
         plugin.finish()?;
-        self.description.objects.push(Object { name, shape, to_world, material, emission });
+        self.description.objects.push(Object { name, shape, to_world, material, emission, absorption: None });
         Ok(())
     }
 }

@@ -58,9 +58,9 @@ fn materials_have_mitsubas_defaults() {
     assert_eq!(material(""), Material::lambert(Rgb::splat(0.5)));
     assert_eq!(material("<bsdf type=\"diffuse\"/>"), Material::lambert(Rgb::splat(0.5)));
     let mirror = ConductorFresnel::Constant(Rgb::WHITE);
-    assert_eq!(material("<bsdf type=\"conductor\"/>"), Material::Conductor { fresnel: mirror, roughness: None });
+    assert_eq!(material("<bsdf type=\"conductor\"/>"), Material::conductor(mirror, None));
     let eta = (1.5046 / 1.000277) as f32;
-    assert_eq!(material("<bsdf type=\"dielectric\"/>"), Material::Dielectric { eta, roughness: None });
+    assert_eq!(material("<bsdf type=\"dielectric\"/>"), Material::dielectric(eta, None));
     for (bsdf, is_conductor) in [("roughconductor", true), ("roughdielectric", false)] {
         let (roughness, conducts) = match material(&format!("<bsdf type=\"{bsdf}\"/>")) {
             Material::Conductor { roughness, .. } => (roughness.unwrap(), true),
@@ -82,7 +82,7 @@ fn materials_take_their_parameters() {
     assert_eq!(fresnel, ConductorFresnel::Complex { eta, k, tint: Rgb::splat(0.3) });
     assert_eq!((roughness.distribution, roughness.alpha.to_array()), (Distribution::Ggx, [0.05, 0.2]));
     let water = "<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"water\"/><float name=\"extIOR\" value=\"1\"/></bsdf>";
-    assert_eq!(material(water), Material::Dielectric { eta: 1.333, roughness: None });
+    assert_eq!(material(water), Material::dielectric(1.333, None));
     let blend = "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.25\"/><bsdf type=\"diffuse\"/><bsdf type=\"conductor\"/></bsdf>";
     let Material::Mix { first, second, weight } = material(blend) else { panic!() };
     assert!(matches!((*first, *second, weight), (Material::Lambert { .. }, Material::Conductor { .. }, 0.25)));
