@@ -117,7 +117,7 @@ mod tests {
         let mut found = 0;
         for _ in 0..100_000 {
             let (a, b) = (point(), point());
-            let ray = Ray { origin: a, direction: b - a, t_max: 1.0 };
+            let ray = Ray::segment(a, b - a);
             let baseline = Simd::Baseline.closest::<1>(&geometry, &ray);
             let detected = geometry.simd().closest::<1>(&geometry, &ray);
             let bits = |hit: Option<Hit>| hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.primitive));

@@ -13,6 +13,7 @@ mod world;
 
 pub use world::Geometry;
 
+use crate::ray::PrimitiveId;
 use glam::{Affine3A, Vec2, Vec3};
 
 /// An indexed triangle mesh in world space (or in the space of its group).
@@ -108,4 +109,6 @@ pub struct Surface {
     pub shape: u32,
     /// Index of the primitive within its shape (a mesh's triangle; 0 for others).
     pub element: u32,
+    /// The primitive as rays know it.
+    pub id: PrimitiveId,
 }

@@ -145,7 +145,7 @@ impl Space {
     /// Looks for hits among the shapes of this space; `instance` is the one that it is seen through.
     #[inline(always)]
     pub fn walk<const ANY: bool, const CURVED: bool>(&self, ray: &Ray, instance: u32, best: &mut Best) -> bool {
-        self.bvh.walk::<ANY, CURVED>(&Prepared::new(ray), instance, best, |child, best| {
+        self.bvh.walk::<ANY, CURVED>(&Prepared::new(ray, instance), instance, best, |child, best| {
             self.curved(child, ray, instance, best)
         })
     }
@@ -159,7 +159,7 @@ impl Space {
         groups: &[Space],
         best: &mut Best,
     ) -> bool {
-        self.bvh.walk::<ANY, true>(&Prepared::new(ray), NO_INSTANCE, best, |child, best| {
+        self.bvh.walk::<ANY, true>(&Prepared::new(ray, NO_INSTANCE), NO_INSTANCE, best, |child, best| {
             if CURVED && !child.is_instance() {
                 return self.curved(child, ray, NO_INSTANCE, best);
             }

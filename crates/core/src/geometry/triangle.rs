@@ -20,6 +20,20 @@ const BOX_PADDING: f32 = 16.0 * ROUNDOFF;
 #[inline]
 pub(super) fn normal(v: [Vec3; 3]) -> Option<Vec3> {
     let [a, b, c] = v;
+    // In single precision where that loses no more than 40 units roundoff: all but slivers and tiny triangles.
+    let (e1, e2) = (b - a, c - a);
+    let n = e1.cross(e2);
+    let square = n.length_squared();
+    if square > 1e-2 * (e1.length_squared() * e2.length_squared()) && square.is_normal() {
+        return Some(n * (1.0 / square.sqrt()));
+    }
+    precise_normal(v)
+}
+
+/// [`normal`] in double precision.
+#[cold]
+fn precise_normal(v: [Vec3; 3]) -> Option<Vec3> {
+    let [a, b, c] = v;
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     let (e1, e2) = (b - a, c - a);
     let n: DVec3 = e1.cross(e2);

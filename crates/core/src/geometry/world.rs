@@ -9,14 +9,14 @@ use super::{
 };
 use crate::{
     has::{CURVED, INSTANCES},
-    ray::Ray,
+    ray::{PrimitiveId, Ray},
 };
 use glam::Vec3;
 
 /// All geometry of a scene with the hierarchy over it.
 ///
 /// ```
-/// use etendue_core::{geometry::{Geometry, Shape, Sphere}, ray::Ray, specialise};
+/// use etendue_core::{geometry::{Geometry, Shape, Sphere}, ray::{PrimitiveId, Ray}, specialise};
 /// use glam::Vec3;
 ///
 /// let ball = Sphere { center: Vec3::ZERO, radius: 1.0, inverted: false };
@@ -112,6 +112,7 @@ impl Geometry {
             uv: local.uv,
             shape,
             element,
+            id: PrimitiveId { primitive: hit.primitive, instance: hit.instance },
         }
     }
 

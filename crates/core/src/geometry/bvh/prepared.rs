@@ -21,11 +21,14 @@ pub(in crate::geometry) struct Prepared {
     /// The shear that takes the direction to the third axis, and the scale along that axis. [Woop et al. 2013, sec. 3.1]
     shear: [f32; 3],
     t_max: f32,
+    /// The triangle that the ray starts on.
+    leaves: u32,
 }
 
 impl Prepared {
+    /// A ray among the primitives of `instance` (or of the top level).
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Prepared {
+    pub fn new(ray: &Ray, instance: u32) -> Prepared {
         let direction = ray.direction;
         let d = direction.to_array();
         let a = direction.abs();
@@ -41,8 +44,9 @@ impl Prepared {
             // By the sign bit: the inverse of -0.0 is negative infinity.
             near: [negative(d[0]), negative(d[1]), negative(d[2])],
             axes: [x, y, z],
-            shear: [d[x] / d[z], d[y] / d[z], inverse[z]],
+            shear: [d[x] * inverse[z], d[y] * inverse[z], inverse[z]],
             t_max: ray.t_max,
+            leaves: if ray.leaves.instance == instance { ray.leaves.primitive } else { u32::MAX },
         }
     }
 
@@ -96,6 +100,12 @@ impl Prepared {
         let left = u.cmpge(zero) & v.cmpge(zero) & w.cmpge(zero);
         let right = u.cmple(zero) & v.cmple(zero) & w.cmple(zero);
         (Edges { u: u.to_array(), v: v.to_array(), w: w.to_array() }, (left | right).bitmask())
+    }
+
+    /// Whether the ray starts on a triangle.
+    #[inline(always)]
+    pub fn starts_on(&self, pack: &Pack, lane: usize) -> bool {
+        pack.primitives[lane] == self.leaves
     }
 
     /// Decides about one of the triangles that [`Prepared::edges`] leaves: (t, u, v) of a hit in (0, t_max).

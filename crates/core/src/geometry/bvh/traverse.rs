@@ -154,6 +154,9 @@ impl Bvh {
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize;
             hits &= hits - 1;
+            if ray.starts_on(triangles, lane) {
+                continue;
+            }
             if let Some((t, u, v)) = ray.decide(triangles, &edges, lane) {
                 if ANY {
                     return true;
