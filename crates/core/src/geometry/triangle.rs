@@ -13,7 +13,7 @@ use glam::{DVec3, Vec2, Vec3};
 /// The intersection test rounds the vertices, seen from the ray, by some units in the last place; the box grows by as
 /// much, so that a ray which the test lets hit the triangle does not miss the box. The part of that rounding that grows
 /// with the distance is in the box test, see [`super::bvh`].
-const BOX_PADDING: f32 = 16.0 * ROUNDOFF;
+pub(super) const BOX_PADDING: f32 = 16.0 * ROUNDOFF;
 
 /// The unit normal on the side from which the vertices appear counter-clockwise, or `None` for a triangle whose area
 /// is zero within the rounding of double precision.

@@ -3,7 +3,7 @@
 use super::{
     Hit, Instance, NO_INSTANCE, Shape, Surface,
     bvh::traverse::Best,
-    dispatch::Simd,
+    dispatch::{Kernel, Simd},
     instance::Placed,
     space::{Space, place},
 };
@@ -83,12 +83,12 @@ impl Geometry {
 
     /// Walks the hierarchy; compiled once for each instruction set, into the functions of [`super::dispatch`].
     #[inline(always)]
-    pub(super) fn walk<const HAS: u32, const ANY: bool>(&self, ray: &Ray, best: &mut Best) -> bool {
+    pub(super) fn walk<K: Kernel, const HAS: u32, const ANY: bool>(&self, ray: &Ray, best: &mut Best) -> bool {
         match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
-            (false, false) => self.top.walk::<ANY, false>(ray, NO_INSTANCE, best),
-            (true, false) => self.top.walk::<ANY, true>(ray, NO_INSTANCE, best),
-            (false, true) => self.top.walk_placed::<ANY, false>(ray, &self.placed, &self.groups, best),
-            (true, true) => self.top.walk_placed::<ANY, true>(ray, &self.placed, &self.groups, best),
+            (false, false) => self.top.walk::<K, ANY, false>(ray, NO_INSTANCE, best),
+            (true, false) => self.top.walk::<K, ANY, true>(ray, NO_INSTANCE, best),
+            (false, true) => self.top.walk_placed::<K, ANY, false>(ray, &self.placed, &self.groups, best),
+            (true, true) => self.top.walk_placed::<K, ANY, true>(ray, &self.placed, &self.groups, best),
         }
     }
 
