@@ -143,15 +143,16 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             }
             Some(hit) => {
                 let surface = self.scene.surface::<HAS>(&self.ray, &hit);
-                // Lambert reflection looks the same in every frame about the normal.
-                let frame = if HAS & has::LOBES == 0 {
-                    Frame::from_normal(surface.ns)
-                } else {
+                let bsdf = self.scene.bsdf::<HAS>(&surface);
+                // What is isotropic looks the same in every frame about the normal, and one of them is had for less.
+                let frame = if HAS & has::LOBES != 0 && bsdf.is_anisotropic() {
                     Frame::from_normal_and_tangent(surface.ns, surface.dpdu)
+                } else {
+                    Frame::from_normal(surface.ns)
                 };
                 let wo = -direction;
                 Vertex::Surface(SurfaceVertex {
-                    bsdf: self.scene.bsdf::<HAS>(&surface),
+                    bsdf,
                     wo_local: frame.to_local(wo),
                     surface,
                     frame,

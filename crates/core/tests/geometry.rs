@@ -117,7 +117,7 @@ proptest! {
         for _ in 0..200 {
             let (a, b) = (point(&mut rng) * 2.0, point(&mut rng));
             let t_max = if rng.random() { f32::INFINITY } else { 1.0 };
-            let ray = Ray { origin: a, direction: b - a, t_max };
+            let ray = Ray { t_max, ..Ray::new(a, b - a) };
             let hit = etendue_core::specialise!(geometry.has(), HAS => geometry.closest::<HAS>(&ray));
             prop_assert_eq!(hit, exhaustive.closest(&ray), "{:?}", ray);
             let occluded = etendue_core::specialise!(geometry.has(), HAS => geometry.occluded::<HAS>(&ray));

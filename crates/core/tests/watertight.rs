@@ -127,7 +127,7 @@ fn leaks(mesh: &Mesh, center: Vec3, size: f32, rays: usize, seed: u64) -> (usize
         };
         let direction = target - origin;
         let closest = geometry.closest::<0>(&Ray::new(origin, direction));
-        let shadow = geometry.occluded::<0>(&Ray { origin, direction: direction * 8.0, t_max: 1.0 });
+        let shadow = geometry.occluded::<0>(&Ray::segment(origin, direction * 8.0));
         leaks += usize::from(closest.is_none() || !shadow);
     }
     (rays, leaks)
@@ -177,7 +177,7 @@ fn axis_aligned_rays_do_not_miss_flat_boxes() {
                         let mut inside = origin;
                         inside[axis] = 0.5;
                         assert!(
-                            geometry.occluded::<0>(&Ray { origin: inside, direction, t_max: 2.0 }),
+                            geometry.occluded::<0>(&Ray { t_max: 2.0, ..Ray::new(inside, direction) }),
                             "{inside} {direction}"
                         );
                     }

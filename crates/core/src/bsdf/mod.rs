@@ -174,6 +174,17 @@ impl Lobe {
         }
     }
 
+    /// Whether it changes when the surface is turned about its normal.
+    #[inline]
+    pub fn is_anisotropic(&self) -> bool {
+        match self {
+            Lobe::Lambert { .. } | Lobe::Conductor { .. } | Lobe::Dielectric { .. } => false,
+            Lobe::RoughConductor { roughness, .. } | Lobe::RoughDielectric { roughness, .. } => {
+                roughness.alpha.x != roughness.alpha.y
+            }
+        }
+    }
+
     #[inline]
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode, two_sided: bool) -> (Rgb, f32) {
         match self {
@@ -276,6 +287,12 @@ impl Bsdf {
     #[inline]
     pub fn has_delta(&self) -> bool {
         self.first.is_delta() || self.second.is_some_and(|(lobe, _)| lobe.is_delta())
+    }
+
+    /// Whether some lobe changes when the surface is turned about its normal.
+    #[inline]
+    pub fn is_anisotropic(&self) -> bool {
+        self.first.is_anisotropic() || self.second.is_some_and(|(lobe, _)| lobe.is_anisotropic())
     }
 
     /// The BSDF `f(wo, wi)` in 1/sr, without the cosine; delta lobes count nothing.

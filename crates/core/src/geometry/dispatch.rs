@@ -2,7 +2,10 @@
 //!
 //! Both walks are the same source without fused multiply-adds; they return the same bits. All unsafe code is here.
 
-use super::{Geometry, Hit, bvh::traverse::Best};
+use super::{
+    Geometry, Hit,
+    bvh::{Node, Prepared, WIDTH, traverse::Best},
+};
 use crate::ray::Ray;
 
 /// The instruction set that walks run on.
@@ -51,31 +54,92 @@ impl Simd {
     }
 }
 
+/// The part of a walk that is written for an instruction set.
+pub(super) trait Kernel {
+    /// As [`Prepared::boxes`].
+    fn boxes(ray: &Prepared, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32);
+}
+
+/// The kernel in plain Rust.
+pub(super) struct Portable;
+
+impl Kernel for Portable {
+    #[inline(always)]
+    fn boxes(ray: &Prepared, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32) {
+        ray.boxes(node, cutoff)
+    }
+}
+
+/// The kernel for AVX2; used only inside the functions that are compiled for it.
+#[cfg(target_arch = "x86_64")]
+struct Avx2;
+
+#[cfg(target_arch = "x86_64")]
+impl Kernel for Avx2 {
+    #[inline(always)]
+    fn boxes(ray: &Prepared, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32) {
+        // SAFETY: only `closest_avx2` and `occluded_avx2` walk with this kernel, and whoever calls those has seen to it
+        // that the processor has AVX2.
+        unsafe { boxes_avx2(ray, node, cutoff) }
+    }
+}
+
+/// [`Prepared::boxes`] by integer comparisons, of a quarter of the latency of those of floats.
+///
+/// As an integer, a float that is not negative orders as itself, and a negative one is negative: an entry is the largest of
+/// three and zero, hence never negative, and where an exit is negative the box is missed whatever its value. None is NaN,
+/// as the inverses are finite.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+#[inline]
+fn boxes_avx2(ray: &Prepared, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32) {
+    use std::arch::x86_64::*;
+    let (origin, inverse, inverse_far, near) = ray.slabs();
+    let plane = |axis: usize, side: usize, inverse: &[f32; 3]| {
+        let bounds = &node.bounds[axis][side & 1];
+        // SAFETY: `bounds` are eight floats.
+        let bounds = unsafe { _mm256_loadu_ps(bounds.as_ptr()) };
+        let from = _mm256_sub_ps(bounds, _mm256_set1_ps(origin[axis]));
+        _mm256_castps_si256(_mm256_mul_ps(from, _mm256_set1_ps(inverse[axis])))
+    };
+    let enter = |axis: usize| plane(axis, near[axis], inverse);
+    let leave = |axis: usize| plane(axis, near[axis] ^ 1, inverse_far);
+    let first =
+        _mm256_max_epi32(_mm256_max_epi32(enter(0), enter(1)), _mm256_max_epi32(enter(2), _mm256_setzero_si256()));
+    let cutoff = _mm256_castps_si256(_mm256_set1_ps(cutoff));
+    let last = _mm256_min_epi32(_mm256_min_epi32(leave(0), leave(1)), _mm256_min_epi32(leave(2), cutoff));
+    let missed = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(first, last)));
+    let mut distances = [0.0; WIDTH];
+    // SAFETY: `distances` are eight floats.
+    unsafe { _mm256_storeu_ps(distances.as_mut_ptr(), _mm256_castsi256_ps(first)) };
+    (distances, !missed as u32 & 0xff)
+}
+
 #[inline(always)]
-fn closest_with<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
+fn closest_with<K: Kernel, const HAS: u32>(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
     let mut best = Best::new(ray.t_max);
-    geometry.walk::<HAS, false>(ray, &mut best);
+    geometry.walk::<K, HAS, false>(ray, &mut best);
     best.found()
 }
 
 fn closest<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
-    closest_with::<HAS>(geometry, ray)
+    closest_with::<Portable, HAS>(geometry, ray)
 }
 
 fn occluded<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> bool {
-    geometry.walk::<HAS, true>(ray, &mut Best::new(ray.t_max))
+    geometry.walk::<Portable, HAS, true>(ray, &mut Best::new(ray.t_max))
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2")]
 fn closest_avx2<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
-    closest_with::<HAS>(geometry, ray)
+    closest_with::<Avx2, HAS>(geometry, ray)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2")]
 fn occluded_avx2<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> bool {
-    geometry.walk::<HAS, true>(ray, &mut Best::new(ray.t_max))
+    geometry.walk::<Avx2, HAS, true>(ray, &mut Best::new(ray.t_max))
 }
 
 /// Asks for a value that is likely to be read soon to be brought near.
@@ -117,7 +181,7 @@ mod tests {
         let mut found = 0;
         for _ in 0..100_000 {
             let (a, b) = (point(), point());
-            let ray = Ray { origin: a, direction: b - a, t_max: 1.0 };
+            let ray = Ray::segment(a, b - a);
             let baseline = Simd::Baseline.closest::<1>(&geometry, &ray);
             let detected = geometry.simd().closest::<1>(&geometry, &ray);
             let bits = |hit: Option<Hit>| hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.primitive));

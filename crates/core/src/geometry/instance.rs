@@ -48,7 +48,7 @@ impl Placed {
         Ray {
             origin: (self.to_group.linear * ray.origin.as_dvec3() + self.to_group.translation).as_vec3(),
             direction: (self.to_group.linear * ray.direction.as_dvec3()).as_vec3(),
-            t_max: ray.t_max,
+            ..*ray
         }
     }
 

@@ -13,7 +13,7 @@ mod world;
 
 pub use world::Geometry;
 
-use crate::rgb::Rgb;
+use crate::{ray::PrimitiveId, rgb::Rgb};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// An indexed triangle mesh in world space (or in the space of its group).
@@ -113,4 +113,6 @@ pub struct Surface {
     pub shape: u32,
     /// Index of the primitive within its shape (a mesh's triangle; 0 for others).
     pub element: u32,
+    /// The primitive as rays know it.
+    pub id: PrimitiveId,
 }

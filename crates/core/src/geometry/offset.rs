@@ -42,7 +42,8 @@ fn round_along(x: f32, offset: f32) -> f32 {
 /// An unbounded ray that leaves a surface.
 #[inline]
 pub fn spawn_ray(surface: &Surface, direction: Vec3) -> Ray {
-    Ray::new(offset_origin(surface.p, surface.p_error, surface.ng, direction), direction)
+    let origin = offset_origin(surface.p, surface.p_error, surface.ng, direction);
+    Ray { leaves: surface.id, ..Ray::new(origin, direction) }
 }
 
 /// The ray from a surface to a point of another surface, with `t_max = 1` at that point.
@@ -56,14 +57,14 @@ pub fn shadow_ray(surface: &Surface, target: Vec3, target_error: Vec3, target_no
     // The direction is rounded, hence the far end is where `t = 1` says only within a multiple of the ray's length.
     let slack = Vec3::splat(gamma(8) * back.abs().max_element());
     let end = offset_origin(target, target_error + slack, target_normal, back);
-    Ray { origin, direction: end - origin, t_max: 1.0 }
+    Ray { leaves: surface.id, ..Ray::segment(origin, end - origin) }
 }
 
 /// The ray from a surface to a point in free space (a point light, a pinhole), with `t_max = 1` at that point.
 #[inline]
 pub fn shadow_ray_to_point(surface: &Surface, target: Vec3) -> Ray {
     let origin = offset_origin(surface.p, surface.p_error, surface.ng, target - surface.p);
-    Ray { origin, direction: target - origin, t_max: 1.0 }
+    Ray { leaves: surface.id, ..Ray::segment(origin, target - origin) }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::{
     Disk, Hit, Instance, NO_INSTANCE, Shape, Sphere,
     bvh::{Bvh, Child, Kind, Prepared, Reference, traverse::Best},
+    dispatch::Kernel,
     instance::Placed,
     surface::Local,
     triangle,
@@ -78,7 +79,7 @@ impl Space {
             }
         }
         space.shapes = shapes;
-        space.bvh = Bvh::build(&references, |primitive| space.triangle(primitive));
+        space.bvh = Bvh::build(references, |primitive| space.triangle(primitive));
         space
     }
 
@@ -144,28 +145,33 @@ impl Space {
 
     /// Looks for hits among the shapes of this space; `instance` is the one that it is seen through.
     #[inline(always)]
-    pub fn walk<const ANY: bool, const CURVED: bool>(&self, ray: &Ray, instance: u32, best: &mut Best) -> bool {
-        self.bvh.walk::<ANY, CURVED>(&Prepared::new(ray), instance, best, |child, best| {
+    pub fn walk<K: Kernel, const ANY: bool, const CURVED: bool>(
+        &self,
+        ray: &Ray,
+        instance: u32,
+        best: &mut Best,
+    ) -> bool {
+        self.bvh.walk::<K, ANY, CURVED>(&Prepared::new(ray, instance), instance, best, |child, best| {
             self.curved(child, ray, instance, best)
         })
     }
 
     /// As [`Space::walk`], with instances of groups among the shapes.
     #[inline(always)]
-    pub fn walk_placed<const ANY: bool, const CURVED: bool>(
+    pub fn walk_placed<K: Kernel, const ANY: bool, const CURVED: bool>(
         &self,
         ray: &Ray,
         placed: &[Placed],
         groups: &[Space],
         best: &mut Best,
     ) -> bool {
-        self.bvh.walk::<ANY, true>(&Prepared::new(ray), NO_INSTANCE, best, |child, best| {
+        self.bvh.walk::<K, ANY, true>(&Prepared::new(ray, NO_INSTANCE), NO_INSTANCE, best, |child, best| {
             if CURVED && !child.is_instance() {
                 return self.curved(child, ray, NO_INSTANCE, best);
             }
             let instance = &placed[child.index()];
             let group = &groups[instance.group as usize];
-            group.walk::<ANY, CURVED>(&instance.ray_to_group(ray), child.index() as u32, best)
+            group.walk::<K, ANY, CURVED>(&instance.ray_to_group(ray), child.index() as u32, best)
         })
     }
 

@@ -3,20 +3,20 @@
 use super::{
     Hit, Instance, NO_INSTANCE, Shape, Surface,
     bvh::traverse::Best,
-    dispatch::Simd,
+    dispatch::{Kernel, Simd},
     instance::Placed,
     space::{Space, place},
 };
 use crate::{
     has::{CURVED, INSTANCES},
-    ray::Ray,
+    ray::{PrimitiveId, Ray},
 };
 use glam::Vec3;
 
 /// All geometry of a scene with the hierarchy over it.
 ///
 /// ```
-/// use etendue_core::{geometry::{Geometry, Shape, Sphere}, ray::Ray, specialise};
+/// use etendue_core::{geometry::{Geometry, Shape, Sphere}, ray::{PrimitiveId, Ray}, specialise};
 /// use glam::Vec3;
 ///
 /// let ball = Sphere { center: Vec3::ZERO, radius: 1.0, inverted: false };
@@ -83,12 +83,12 @@ impl Geometry {
 
     /// Walks the hierarchy; compiled once for each instruction set, into the functions of [`super::dispatch`].
     #[inline(always)]
-    pub(super) fn walk<const HAS: u32, const ANY: bool>(&self, ray: &Ray, best: &mut Best) -> bool {
+    pub(super) fn walk<K: Kernel, const HAS: u32, const ANY: bool>(&self, ray: &Ray, best: &mut Best) -> bool {
         match (HAS & CURVED != 0, HAS & INSTANCES != 0) {
-            (false, false) => self.top.walk::<ANY, false>(ray, NO_INSTANCE, best),
-            (true, false) => self.top.walk::<ANY, true>(ray, NO_INSTANCE, best),
-            (false, true) => self.top.walk_placed::<ANY, false>(ray, &self.placed, &self.groups, best),
-            (true, true) => self.top.walk_placed::<ANY, true>(ray, &self.placed, &self.groups, best),
+            (false, false) => self.top.walk::<K, ANY, false>(ray, NO_INSTANCE, best),
+            (true, false) => self.top.walk::<K, ANY, true>(ray, NO_INSTANCE, best),
+            (false, true) => self.top.walk_placed::<K, ANY, false>(ray, &self.placed, &self.groups, best),
+            (true, true) => self.top.walk_placed::<K, ANY, true>(ray, &self.placed, &self.groups, best),
         }
     }
 
@@ -113,6 +113,7 @@ impl Geometry {
             color: local.color,
             shape,
             element,
+            id: PrimitiveId { primitive: hit.primitive, instance: hit.instance },
         }
     }
 

@@ -49,8 +49,9 @@ pub(super) fn check(scene: &SceneDescription) -> Result<(), SceneError> {
     let all = scene.objects.iter().chain(scene.groups.iter().flat_map(|g| &g.objects));
     let emitting = scene.objects.iter().filter(|o| emits(o));
     let (primitives, lights) = (all.map(elements).sum(), emitting.map(elements).sum::<usize>() + scene.lights.len());
-    // One bit is left for the hierarchy to tell leaves from nodes; one light may be the environment.
-    for (count, limit) in [(primitives, 1 << 31), (lights, Lights::LIMIT)] {
+    // The hierarchy keeps three bits to tell leaves from nodes, and one for triangles that are cut in parts; one light may be
+    // the environment.
+    for (count, limit) in [(primitives, 1 << 28), (lights, Lights::LIMIT)] {
         if count >= limit {
             return Err(item(Kind::Object, &scene.name)(Problem::TooMany(count)));
         }

@@ -4,6 +4,7 @@ use super::{
     Bvh, Child, Node, Pack,
     collapse::{Lone, Plan},
     node::{LANES, WIDTH},
+    split::cut,
     topology::{Binary, cluster},
 };
 use glam::Vec3;
@@ -34,12 +35,13 @@ pub(in crate::geometry) struct Reference {
 
 impl Bvh {
     /// Builds the hierarchy; `triangle` gives the vertices of a primitive.
-    pub fn build(references: &[Reference], triangle: impl Fn(u32) -> [Vec3; 3]) -> Bvh {
+    pub fn build(mut references: Vec<Reference>, triangle: impl Fn(u32) -> [Vec3; 3]) -> Bvh {
         if references.is_empty() {
             return Bvh::default();
         }
-        assert!(references.len() <= Child::MAX as usize, "more than {} primitives", Child::MAX);
-        let binary = cluster(references);
+        assert!(references.len() <= (Child::MAX / 2) as usize, "more than {} primitives", Child::MAX / 2);
+        cut(&mut references, &triangle);
+        let binary = cluster(&references);
         // Which nodes hold triangles only: those that may become packs.
         let mut triangles = vec![true; binary.len()];
         for n in (0..binary.len()).rev() {
@@ -58,7 +60,7 @@ impl Bvh {
         let mut emitter = Emitter {
             binary: &binary,
             plan,
-            references,
+            references: &references,
             triangle,
             bvh: Bvh { bounds: Some((binary[0].lo, binary[0].hi)), ..Bvh::default() },
         };
@@ -130,8 +132,11 @@ impl<F: Fn(u32) -> [Vec3; 3]> Emitter<'_, F> {
             let node = self.binary[n];
             if node.count == 1 {
                 let primitive = self.references[node.first as usize].index;
-                pack.set(lane, (self.triangle)(primitive), primitive);
-                lane += 1;
+                // Two parts of a triangle may have come together again.
+                if !pack.primitives.contains(&primitive) {
+                    pack.set(lane, (self.triangle)(primitive), primitive);
+                    lane += 1;
+                }
             } else {
                 pending.extend([node.first as usize + 1, node.first as usize]);
             }

@@ -6,7 +6,7 @@ use glam::Vec3;
 /// Expected cost of testing the eight boxes of a node, in units of which the constants below are multiples.
 const NODE_COST: f32 = 1.0;
 /// Expected cost of testing a pack, however full.
-const PACK_COST: f32 = 0.8;
+const PACK_COST: f32 = 0.5;
 /// Expected cost of a curved shape or an instance.
 const OTHER_COST: f32 = 2.0;
 

@@ -12,11 +12,12 @@ mod build;
 mod collapse;
 mod node;
 mod prepared;
+mod split;
 mod topology;
 pub(super) mod traverse;
 
 pub(super) use build::{Kind, Reference};
-pub(super) use node::{Child, Node, Pack};
+pub(super) use node::{Child, Node, Pack, WIDTH};
 pub(super) use prepared::Prepared;
 
 use glam::Vec3;

@@ -13,7 +13,10 @@ pub(super) const STRETCH: f32 = 1.0 + 34.0 * ROUNDOFF;
 pub(in crate::geometry) struct Prepared {
     origin: [f32; 3],
     direction: Vec3,
+    /// One over each component of the direction, bounded; see [`inverse`].
     inverse: [f32; 3],
+    /// The same, stretched: for the planes through which a ray leaves a box.
+    inverse_far: [f32; 3],
     /// Which of a box's bounds the ray meets first, by axis: 0 the lower, 1 the upper.
     near: [usize; 3],
     /// The axes: two others, then the one along which the direction is largest.
@@ -21,11 +24,14 @@ pub(in crate::geometry) struct Prepared {
     /// The shear that takes the direction to the third axis, and the scale along that axis. [Woop et al. 2013, sec. 3.1]
     shear: [f32; 3],
     t_max: f32,
+    /// The triangle that the ray starts on.
+    leaves: u32,
 }
 
 impl Prepared {
+    /// A ray among the primitives of `instance` (or of the top level).
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Prepared {
+    pub fn new(ray: &Ray, instance: u32) -> Prepared {
         let direction = ray.direction;
         let d = direction.to_array();
         let a = direction.abs();
@@ -33,52 +39,59 @@ impl Prepared {
         let z: usize = if a.x >= largest { 0 } else { yz };
         let x = if z == 2 { 0 } else { z + 1 };
         let y = 3 - z - x;
-        let inverse = [1.0 / d[0], 1.0 / d[1], 1.0 / d[2]];
+        let scale = 1.0 / d[z];
+        let inverse = d.map(inverse);
         Prepared {
             origin: ray.origin.to_array(),
             direction,
             inverse,
+            inverse_far: inverse.map(|i| i * STRETCH),
             // By the sign bit: the inverse of -0.0 is negative infinity.
             near: [negative(d[0]), negative(d[1]), negative(d[2])],
             axes: [x, y, z],
-            shear: [d[x] / d[z], d[y] / d[z], inverse[z]],
+            shear: [d[x] * scale, d[y] * scale, scale],
             t_max: ray.t_max,
+            leaves: if ray.leaves.instance == instance { ray.leaves.primitive } else { u32::MAX },
         }
     }
 
     /// The largest `t` that a box may be entered at, given the best hit so far.
     #[inline(always)]
     pub fn cutoff(t: f32) -> f32 {
-        // Finite even when stretched, as a box beside a ray parallel to it is entered at infinity.
-        min(t, 0.5 * f32::MAX)
+        // Finite, as a box beside a ray parallel to it is entered at infinity.
+        min(t, 0.5 * f32::MAX) * STRETCH
     }
 
-    /// Where the ray enters each box, and eight bytes that are 1 where it does so before `cutoff`, else 0.
+    /// What the boxes of a node are tested with: where the ray starts, the inverses for near and for far planes, and
+    /// which plane of each axis is near.
     #[inline(always)]
-    pub fn boxes(&self, node: &Node, cutoff: f32) -> ([f32; WIDTH], u64) {
-        let [ox, oy, oz] = self.origin;
-        let [ix, iy, iz] = self.inverse;
+    pub fn slabs(&self) -> (&[f32; 3], &[f32; 3], &[f32; 3], &[usize; 3]) {
+        (&self.origin, &self.inverse, &self.inverse_far, &self.near)
+    }
+
+    /// Where the ray enters each box, and a bit for each that it enters before `cutoff`.
+    #[inline(always)]
+    pub fn boxes(&self, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32) {
+        let ([ox, oy, oz], [ix, iy, iz], [fx, fy, fz], near) = self.slabs();
         let [x, y, z] = &node.bounds;
-        let (x0, x1) = (&x[self.near[0] & 1], &x[(self.near[0] & 1) ^ 1]);
-        let (y0, y1) = (&y[self.near[1] & 1], &y[(self.near[1] & 1) ^ 1]);
-        let (z0, z1) = (&z[self.near[2] & 1], &z[(self.near[2] & 1) ^ 1]);
+        let (x0, x1) = (&x[near[0] & 1], &x[(near[0] & 1) ^ 1]);
+        let (y0, y1) = (&y[near[1] & 1], &y[(near[1] & 1) ^ 1]);
+        let (z0, z1) = (&z[near[2] & 1], &z[(near[2] & 1) ^ 1]);
         let mut enter = [0.0f32; WIDTH];
-        let mut hit = [0u8; WIDTH];
+        let mut hits = 0;
         for i in 0..WIDTH {
-            // Parallel to a slab and on its boundary: 0 * inf, not a number, which `max` and `min` pass over.
             let near = max((x0[i] - ox) * ix, max((y0[i] - oy) * iy, max((z0[i] - oz) * iz, 0.0)));
-            let far = min((x1[i] - ox) * ix, min((y1[i] - oy) * iy, min((z1[i] - oz) * iz, cutoff)));
+            // Stretched against the rounding of both. [Ize 2013, sec. 3]
+            let far = min((x1[i] - ox) * fx, min((y1[i] - oy) * fy, min((z1[i] - oz) * fz, cutoff)));
             enter[i] = near;
-            // [Ize 2013, sec. 3]
-            hit[i] = u8::from(near <= far * STRETCH);
+            hits |= u32::from(near <= far) << i;
         }
-        (enter, u64::from_le_bytes(hit))
+        (enter, hits)
     }
 
-    /// The triangles of a pack that the ray's line passes through or, by rounding, may pass through: a bit for each; and
-    /// the three edge functions of each.
+    /// Tests a pack against the ray's line.
     #[inline(always)]
-    pub fn edges(&self, pack: &Pack) -> (Edges, u32) {
+    pub fn edges(&self, pack: &Pack) -> Edges {
         let [x, y, z] = self.axes;
         let o = &self.origin;
         let (ox, oy, oz) = (Vec4::splat(o[x]), Vec4::splat(o[y]), Vec4::splat(o[z]));
@@ -95,13 +108,43 @@ impl Prepared {
         let zero = Vec4::ZERO;
         let left = u.cmpge(zero) & v.cmpge(zero) & w.cmpge(zero);
         let right = u.cmple(zero) & v.cmple(zero) & w.cmple(zero);
-        (Edges { u: u.to_array(), v: v.to_array(), w: w.to_array() }, (left | right).bitmask())
+        Edges { lanes: (left | right).bitmask(), weights: [u, v, w], depths: [az, bz, cz] }
     }
 
-    /// Decides about one of the triangles that [`Prepared::edges`] leaves: (t, u, v) of a hit in (0, t_max).
+    /// Where the ray meets the triangles that [`Prepared::edges`] leaves, as far as single precision decides it; `nearest`
+    /// is the best hit so far.
     #[inline(always)]
+    pub fn distances(&self, pack: &Pack, edges: &Edges, nearest: f32) -> Distances {
+        let [u, v, w] = edges.weights;
+        let scale = Vec4::splat(self.shear[2]);
+        let [a, b, c] = edges.depths.map(|depth| depth * scale);
+        let zero = Vec4::ZERO;
+        let inverse = Vec4::ONE / (u + v + w);
+        let (v, w) = (v * inverse, w * inverse);
+        let (least, most) = (a.min(b.min(c)), a.max(b.max(c)));
+        // From one vertex on, so that a plane at right angles to the axis has one distance exactly.
+        let t = (a + (v * (b - a) + w * (c - a))).max(least).min(most);
+        // `t` is a mean of the vertices' distances: between those there is no doubt on which side of either end it lies. An
+        // edge function that is zero is, or hides, one of the other sign.
+        let [eu, ev, ew] = edges.weights;
+        let inside = eu.cmpne(zero) & ev.cmpne(zero) & ew.cmpne(zero);
+        let sure = inside & least.cmpgt(zero) & (most * STRETCH).cmplt(Vec4::splat(self.t_max));
+        let beyond = least.cmpgt(Vec4::splat(nearest)) | most.cmple(zero);
+        let lanes = edges.lanes & !beyond.bitmask() & !self.starts_on(pack);
+        let sure = lanes & sure.bitmask();
+        let near = t.cmple(Vec4::splat(nearest)).bitmask();
+        Distances { hit: sure & near, doubtful: lanes & !sure, t: t.to_array(), v: v.to_array(), w: w.to_array() }
+    }
+
+    /// The triangle of a pack that the ray starts on.
+    #[inline(always)]
+    fn starts_on(&self, pack: &Pack) -> u32 {
+        pack.primitives.iter().enumerate().fold(0, |lanes, (i, p)| lanes | u32::from(*p == self.leaves) << i)
+    }
+
+    /// Decides about a triangle that [`Prepared::distances`] leaves in doubt: (t, u, v) of a hit in (0, t_max).
     pub fn decide(&self, pack: &Pack, edges: &Edges, lane: usize) -> Option<(f32, f32, f32)> {
-        let (mut u, mut v, mut w) = (edges.u[lane], edges.v[lane], edges.w[lane]);
+        let [mut u, mut v, mut w] = edges.weights.map(|e| e[lane]);
         if u == 0.0 || v == 0.0 || w == 0.0 {
             [u, v, w] = self.exact_edges(pack, lane);
             if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
@@ -113,19 +156,12 @@ impl Prepared {
         if determinant == 0.0 || determinant.is_nan() {
             return None;
         }
-        let z = self.axes[2];
-        let [a, b, c] = &pack.vertices;
-        let (o, scale) = (self.origin[z], self.shear[2]);
-        let (a, b, c) = ((a[z][lane] - o) * scale, (b[z][lane] - o) * scale, (c[z][lane] - o) * scale);
         let inverse = 1.0 / determinant;
         let (v, w) = (v * inverse, w * inverse);
-        let least = min(a, min(b, c));
+        let [a, b, c] = edges.depths.map(|depth| depth[lane] * self.shear[2]);
         let most = max(a, max(b, c));
-        // From one vertex on, so that a plane at right angles to the axis has one distance exactly.
-        let t = min(max(a + (v * (b - a) + w * (c - a)), least), most);
-        // `t` is a mean of the vertices' distances: between those there is no doubt on which side of either end it lies.
-        let t = if least > 0.0 && most * STRETCH < self.t_max { t } else { self.exact_t(pack, lane, most)? };
-        (t > 0.0 && t < self.t_max).then_some((t, v, w))
+        let t = self.exact_t(pack, lane, most)?;
+        Some((t, v, w))
     }
 
     /// The edge functions' signs without rounding: products of two floats are exact in double precision, and so is the
@@ -161,11 +197,37 @@ impl Prepared {
     }
 }
 
-/// The edge functions of a pack, scaled barycentric coordinates of its triangles' vertices.
+/// A pack as the ray's line sees it.
 pub(in crate::geometry) struct Edges {
-    u: [f32; LANES],
-    v: [f32; LANES],
-    w: [f32; LANES],
+    /// The triangles that the line passes through or, by rounding, may pass through: a bit for each.
+    pub lanes: u32,
+    /// The three edge functions: scaled barycentric coordinates.
+    weights: [Vec4; 3],
+    /// The vertices' distances along the ray's largest axis.
+    depths: [Vec4; 3],
+}
+
+/// Hits in a pack.
+pub(in crate::geometry) struct Distances {
+    /// The triangles that are hit in (0, t_max), no further than the best hit so far.
+    pub hit: u32,
+    /// Those that need [`Prepared::decide`].
+    pub doubtful: u32,
+    /// Ray parameters.
+    pub t: [f32; LANES],
+    /// Barycentric coordinates of the second vertices.
+    pub v: [f32; LANES],
+    /// Barycentric coordinates of the third vertices.
+    pub w: [f32; LANES],
+}
+
+/// One over a component of a direction, finite even for zero, with its sign: zero times infinity is not a number. Boxes
+/// are wider than what is in them, so a ray that runs in the plane of a box's side misses nothing that it could hit.
+#[inline(always)]
+fn inverse(d: f32) -> f32 {
+    const MOST: f32 = 1e37;
+    let inverse = 1.0 / d;
+    max(min(inverse, MOST), -MOST)
 }
 
 /// 1 for a negative number, -0.0 included, else 0.

@@ -4,6 +4,7 @@ use super::Reference;
 use glam::Vec3;
 use obvhs::{
     aabb::Aabb,
+    bvh2::reinsertion::ReinsertionOptimizer,
     ploc::{PlocBuilder, PlocSearchDistance, SortPrecision},
 };
 
@@ -18,6 +19,9 @@ pub(super) struct Binary {
     pub count: u32,
 }
 
+/// Share of the nodes that are put back where they cost least, in the first of several rounds. [Meister and Bittner 2018b]
+const REINSERTED: f32 = 0.02;
+
 /// Builds the tree by parallel locally-ordered clustering. [Meister and Bittner 2018] The root is the first node, children
 /// come after their parents.
 ///
@@ -25,23 +29,24 @@ pub(super) struct Binary {
 pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
     let boxes = shaken(references);
     let indices = (0..references.len() as u32).collect();
-    let tree = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        &boxes,
-        indices,
-        SortPrecision::U64,
-        0,
-    );
-    let mut nodes: Vec<Binary> = tree
-        .nodes
-        .iter()
-        .map(|n| Binary {
-            lo: Vec3::ZERO,
-            hi: Vec3::ZERO,
-            first: if n.is_leaf() { tree.primitive_indices[n.first_index as usize] } else { n.first_index },
-            count: n.prim_count,
-        })
-        .collect();
+    let mut tree =
+        PlocBuilder::with_capacity(boxes.len()).build(PlocSearchDistance::High, &boxes, indices, SortPrecision::U64, 0);
+    ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
+    // Reinsertion leaves children anywhere; they come after their parents again, in pairs.
+    let mut nodes = vec![Binary { lo: Vec3::ZERO, hi: Vec3::ZERO, first: 0, count: 1 }];
+    let mut pending = vec![(0, 0)];
+    while let Some((from, to)) = pending.pop() {
+        let n = &tree.nodes[from];
+        if n.is_leaf() {
+            nodes[to].first = tree.primitive_indices[n.first_index as usize];
+        } else {
+            let first = nodes.len();
+            nodes[to] = Binary { first: first as u32, count: 0, ..nodes[to] };
+            nodes.extend([Binary { lo: Vec3::ZERO, hi: Vec3::ZERO, first: 0, count: 1 }; 2]);
+            pending.push((n.first_index as usize + 1, first + 1));
+            pending.push((n.first_index as usize, first));
+        }
+    }
     for i in (0..nodes.len()).rev() {
         let node = nodes[i];
         nodes[i] = if node.count == 1 {

@@ -1,7 +1,13 @@
 //! Walking the hierarchy.
 
-use super::{Bvh, Child, Prepared, node::WIDTH, prepared::STRETCH};
-use crate::geometry::{Hit, NO_INSTANCE, dispatch::prefetch};
+use super::{
+    Bvh, Child, Prepared,
+    node::{LANES, WIDTH},
+};
+use crate::geometry::{
+    Hit, NO_INSTANCE,
+    dispatch::{Kernel, prefetch},
+};
 
 /// Entries of the stack in the frame of a walk through a flat hierarchy, kept small because it is cleared for each ray.
 const SMALL_STACK: usize = 32;
@@ -44,7 +50,7 @@ impl Bvh {
     /// Visits what the ray may hit, the near before the far. `ANY`: returns true at the first hit, in no order. `OTHER`: there
     /// may be leaves that are no triangles; `other` is called for them, and says whether they were hit.
     #[inline(always)]
-    pub fn walk<const ANY: bool, const OTHER: bool>(
+    pub fn walk<K: Kernel, const ANY: bool, const OTHER: bool>(
         &self,
         ray: &Prepared,
         instance: u32,
@@ -53,16 +59,16 @@ impl Bvh {
     ) -> bool {
         let Some(root) = self.root else { return false };
         if self.stack <= SMALL_STACK {
-            self.walk_with::<ANY, OTHER>(&mut [0; SMALL_STACK], root, ray, instance, best, other)
+            self.walk_with::<K, ANY, OTHER>(&mut [0; SMALL_STACK], root, ray, instance, best, other)
         } else if self.stack <= LARGE_STACK {
-            self.walk_with::<ANY, OTHER>(&mut [0; LARGE_STACK], root, ray, instance, best, other)
+            self.walk_with::<K, ANY, OTHER>(&mut [0; LARGE_STACK], root, ray, instance, best, other)
         } else {
-            self.walk_with::<ANY, OTHER>(&mut vec![0; self.stack], root, ray, instance, best, other)
+            self.walk_with::<K, ANY, OTHER>(&mut vec![0; self.stack], root, ray, instance, best, other)
         }
     }
 
     #[inline(always)]
-    fn walk_with<const ANY: bool, const OTHER: bool>(
+    fn walk_with<K: Kernel, const ANY: bool, const OTHER: bool>(
         &self,
         stack: &mut [u64],
         root: Child,
@@ -84,9 +90,9 @@ impl Bvh {
                 }
             } else {
                 let node = &self.nodes[at.index()];
-                let (enter, mut hits) = ray.boxes(node, best.cutoff);
+                let (enter, mut hits) = K::boxes(ray, node, best.cutoff);
                 if hits != 0 {
-                    let slot = (hits.trailing_zeros() / 8) as usize % WIDTH;
+                    let slot = hits.trailing_zeros() as usize % WIDTH;
                     hits &= hits - 1;
                     if hits == 0 {
                         at = node.children[slot];
@@ -96,6 +102,16 @@ impl Bvh {
                     // One of them comes next; by the time the others do, they have arrived.
                     self.prefetch::<OTHER>(node.children[slot]);
                     let mut entry = pack(enter[slot], node.children[slot]);
+                    if hits & (hits - 1) == 0 {
+                        // Two, as most often: the nearer next, without a way over the stack.
+                        let slot = hits.trailing_zeros() as usize % WIDTH;
+                        self.prefetch::<OTHER>(node.children[slot]);
+                        let other = pack(enter[slot], node.children[slot]);
+                        stack[top] = entry.max(other);
+                        top += 1;
+                        at = Child(entry.min(other) as u32);
+                        continue;
+                    }
                     loop {
                         // Insertion, the nearest on top: few are hit at a time.
                         let mut i = top;
@@ -110,7 +126,7 @@ impl Bvh {
                         if hits == 0 {
                             break;
                         }
-                        let slot = (hits.trailing_zeros() / 8) as usize % WIDTH;
+                        let slot = hits.trailing_zeros() as usize % WIDTH;
                         hits &= hits - 1;
                         self.prefetch::<OTHER>(node.children[slot]);
                         entry = pack(enter[slot], node.children[slot]);
@@ -124,7 +140,7 @@ impl Bvh {
                 }
                 top -= 1;
                 let entry = stack[top];
-                if ANY || f32::from_bits((entry >> 32) as u32) <= best.hit.t * STRETCH {
+                if ANY || f32::from_bits((entry >> 32) as u32) <= best.cutoff {
                     at = Child(entry as u32);
                     break;
                 }
@@ -149,16 +165,31 @@ impl Bvh {
     /// Tests the triangles of a leaf.
     #[inline(always)]
     fn leaf<const ANY: bool>(&self, at: Child, ray: &Prepared, instance: u32, best: &mut Best) -> bool {
-        let triangles = &self.packs[at.index()];
-        let (edges, mut hits) = ray.edges(triangles);
+        let pack = &self.packs[at.index()];
+        let edges = ray.edges(pack);
+        if edges.lanes == 0 {
+            return false;
+        }
+        let distances = ray.distances(pack, &edges, best.hit.t);
+        if ANY && distances.hit != 0 {
+            return true;
+        }
+        let mut hits = distances.hit;
         while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
+            let lane = hits.trailing_zeros() as usize % LANES;
             hits &= hits - 1;
-            if let Some((t, u, v)) = ray.decide(triangles, &edges, lane) {
+            let (t, u, v) = (distances.t[lane], distances.v[lane], distances.w[lane]);
+            best.offer(Hit { t, u, v, primitive: pack.primitives[lane], instance });
+        }
+        let mut doubtful = distances.doubtful;
+        while doubtful != 0 {
+            let lane = doubtful.trailing_zeros() as usize % LANES;
+            doubtful &= doubtful - 1;
+            if let Some((t, u, v)) = ray.decide(pack, &edges, lane) {
                 if ANY {
                     return true;
                 }
-                best.offer(Hit { t, u, v, primitive: triangles.primitives[lane], instance });
+                best.offer(Hit { t, u, v, primitive: pack.primitives[lane], instance });
             }
         }
         false
