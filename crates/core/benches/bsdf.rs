@@ -32,9 +32,9 @@ fn lobes() -> Vec<(&'static str, Bsdf)> {
         ("ggx conductor", single(Lobe::RoughConductor { fresnel: white, roughness: ggx })),
         ("ggx gold", single(Lobe::RoughConductor { fresnel: metal, roughness: ggx })),
         ("beckmann conductor", single(Lobe::RoughConductor { fresnel: white, roughness: beckmann })),
-        ("dielectric", single(Lobe::Dielectric { eta: 1.5 })),
-        ("ggx dielectric", single(Lobe::RoughDielectric { eta: 1.5, roughness: ggx })),
-        ("beckmann dielectric", single(Lobe::RoughDielectric { eta: 1.5, roughness: beckmann })),
+        ("dielectric", single(Lobe::dielectric(1.5))),
+        ("ggx dielectric", single(Lobe::rough_dielectric(1.5, ggx))),
+        ("beckmann dielectric", single(Lobe::rough_dielectric(1.5, beckmann))),
         ("lambert and ggx", mixed),
     ]
 }

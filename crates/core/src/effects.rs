@@ -1,6 +1,7 @@
 //! A census of the effects that a scene has, so that only those are simulated.
 
 use crate::{
+    bsdf::{clearcoat_alpha, principled_alpha, thin_roughness},
     camera::Projection,
     has,
     lights::environment::Environment,
@@ -28,6 +29,18 @@ pub enum LobeKind {
     Dielectric,
     /// Rough dielectric.
     RoughDielectric,
+    /// Thin sheet of a dielectric.
+    ThinDielectric,
+    /// Diffuse body under a smooth coat.
+    Plastic,
+    /// Diffuse body under a rough coat.
+    RoughPlastic,
+    /// Principled material.
+    Principled,
+    /// Principled material of a thin sheet.
+    PrincipledThin,
+    /// The holes of a mask.
+    Null,
 }
 
 impl LobeKind {
@@ -39,6 +52,12 @@ impl LobeKind {
             LobeKind::RoughConductor => "rough conductor",
             LobeKind::Dielectric => "smooth dielectric",
             LobeKind::RoughDielectric => "rough dielectric",
+            LobeKind::ThinDielectric => "thin dielectric",
+            LobeKind::Plastic => "smooth plastic",
+            LobeKind::RoughPlastic => "rough plastic",
+            LobeKind::Principled => "principled",
+            LobeKind::PrincipledThin => "thin principled",
+            LobeKind::Null => "mask",
         }
     }
 }
@@ -50,7 +69,7 @@ pub struct LobeUse {
     pub kind: LobeKind,
     /// Objects whose material has it.
     pub objects: usize,
-    /// Smallest and largest roughness among them; 0 for smooth ones, 1 for Lambert.
+    /// Smallest and largest roughness among them; 0 for smooth ones and holes, 1 for Lambert and for diffuse bodies.
     pub alpha: (f32, f32),
 }
 
@@ -145,7 +164,7 @@ impl Census {
             }
             if let Some(named) = scene.materials.get(object.material) {
                 used[object.material] = true;
-                census.mixtures += usize::from(matches!(named.material, Material::Mix { .. }));
+                census.mixtures += usize::from(is_mixture(&named.material));
                 census.count_lobes(&named.material);
             }
         }
@@ -168,7 +187,8 @@ impl Census {
         collect_lobes(material, &mut lobes);
         let (mut caster, mut receiver) = (false, false);
         for (kind, alpha) in lobes {
-            caster |= alpha.0 <= NARROW_ALPHA;
+            // A hole gathers nothing: light passes as if it were not there.
+            caster |= kind != LobeKind::Null && alpha.0 <= NARROW_ALPHA;
             receiver |= alpha.1 > NARROW_ALPHA;
             match self.lobes.iter_mut().find(|l| l.kind == kind) {
                 Some(l) => {
@@ -206,15 +226,35 @@ impl Census {
     }
 }
 
+fn is_mixture(material: &Material) -> bool {
+    match material {
+        Material::Mix { .. } => true,
+        Material::Relief { material, .. } => is_mixture(material),
+        _ => false,
+    }
+}
+
+/// The smallest and the largest of some numbers, if there are any.
+fn range(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
+    values.fold(None, |range, a| Some(range.map_or((a, a), |(least, most): (f32, f32)| (least.min(a), most.max(a)))))
+}
+
+/// The range of a texture whose values are in `[0, 1]`.
+fn unit_range(texture: &Texture<f32>) -> (f32, f32) {
+    range(texture.values().into_iter()).unwrap_or((0.0, 1.0))
+}
+
+/// The range of the microfacet roughness of a principled material.
+fn principled_range(roughness: (f32, f32), anisotropic: &Texture<f32>) -> (f32, f32) {
+    let stretch = unit_range(anisotropic).1;
+    (principled_alpha(roughness.0, stretch).min_element(), principled_alpha(roughness.1, stretch).max_element())
+}
+
 /// The lobes of a material with the range of their roughness.
 fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32, f32))>) {
     let width = |r: &Option<RoughnessTexture>| {
-        let values = r.iter().flat_map(|r| [r.alpha_u.values(), r.alpha_v.values()]).flatten();
-        values.fold(None, |range: Option<(f32, f32)>, a| {
-            Some(range.map_or((a, a), |(least, most)| (least.min(a), most.max(a))))
-        })
+        range(r.iter().flat_map(|r| [r.alpha_u.values(), r.alpha_v.values()]).flatten()).unwrap_or((0.0, 0.0))
     };
-    let width = |r| width(r).unwrap_or((0.0, 0.0));
     match material {
         Material::Lambert { .. } => lobes.push((LobeKind::Lambert, (1.0, 1.0))),
         Material::Conductor { roughness, .. } => lobes
@@ -223,11 +263,39 @@ fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32, f32))>) {
             if roughness.is_some() { LobeKind::RoughDielectric } else { LobeKind::Dielectric },
             width(roughness),
         )),
-        Material::Mask { material, .. } | Material::Relief { material, .. } => collect_lobes(material, lobes),
-        Material::ThinDielectric { .. }
-        | Material::Plastic { .. }
-        | Material::Principled(_)
-        | Material::PrincipledThin(_) => unimplemented!(),
+        Material::ThinDielectric { .. } => lobes.push((LobeKind::ThinDielectric, (0.0, 0.0))),
+        Material::Plastic { roughness: None, .. } => lobes.push((LobeKind::Plastic, (0.0, 1.0))),
+        Material::Plastic { roughness: Some((_, alpha)), .. } => lobes.push((LobeKind::RoughPlastic, (*alpha, 1.0))),
+        Material::Principled(p) => {
+            let mut alpha = principled_range(unit_range(&p.roughness), &p.anisotropic);
+            if unit_range(&p.clearcoat).1 > 0.0 {
+                alpha.0 = alpha.0.min(clearcoat_alpha(unit_range(&p.clearcoat_gloss).1));
+            }
+            if unit_range(&p.metallic).0 < 1.0 && unit_range(&p.spec_trans).0 < 1.0 {
+                alpha.1 = 1.0;
+            }
+            lobes.push((LobeKind::Principled, alpha));
+        }
+        Material::PrincipledThin(p) => {
+            let (least, most) = unit_range(&p.roughness);
+            let reflected = principled_range((least, most), &p.anisotropic);
+            let through = [least, most].map(|r| thin_roughness(p.eta, r).abs());
+            let transmitted = principled_range((through[0], through[1]), &p.anisotropic);
+            let mut alpha = (reflected.0.min(transmitted.0), reflected.1.max(transmitted.1));
+            let specular = unit_range(&p.spec_trans);
+            if specular.1 == 0.0 {
+                alpha.0 = 1.0;
+            }
+            if specular.0 < 1.0 {
+                alpha.1 = 1.0;
+            }
+            lobes.push((LobeKind::PrincipledThin, alpha));
+        }
+        Material::Mask { material, .. } => {
+            collect_lobes(material, lobes);
+            lobes.push((LobeKind::Null, (0.0, 0.0)));
+        }
+        Material::Relief { material, .. } => collect_lobes(material, lobes),
         Material::Mix { first, second, .. } => {
             collect_lobes(first, lobes);
             collect_lobes(second, lobes);
@@ -276,7 +344,11 @@ impl fmt::Display for Census {
         for l in &self.lobes {
             write!(f, "{}: {} objects", l.kind.name(), l.objects)?;
             match l.kind {
-                LobeKind::RoughConductor | LobeKind::RoughDielectric => {
+                LobeKind::RoughConductor
+                | LobeKind::RoughDielectric
+                | LobeKind::RoughPlastic
+                | LobeKind::Principled
+                | LobeKind::PrincipledThin => {
                     writeln!(f, ", roughness {} to {}", l.alpha.0, l.alpha.1)?;
                 }
                 _ => writeln!(f)?,

@@ -141,7 +141,7 @@ fn the_back_of_an_opaque_surface_is_black_or_as_the_front() {
 #[test]
 fn a_smooth_dielectric_keeps_all_energy_and_obeys_snell() {
     for eta in [0.5f32, 0.75, 1.00001, 1.33, 1.5, 2.5] {
-        let bsdf = Bsdf::single(Lobe::Dielectric { eta }, false);
+        let bsdf = Bsdf::single(Lobe::dielectric(eta), false);
         assert!(bsdf.is_delta());
         for i in 0..1800 {
             let theta = f64::from(i) / 10.0 + 0.05;
@@ -170,7 +170,7 @@ fn a_smooth_dielectric_keeps_all_energy_and_obeys_snell() {
 fn equal_indices_let_light_pass_unchanged() {
     for (wo, alpha) in [(direction(0.0, 0.0), 1.0), (direction(89.999, 3.0), 1e-4), (direction(120.0, 3.0), 0.3)] {
         let rough = dielectric(Distribution::Ggx, alpha, alpha, 1.0);
-        for bsdf in [rough, Bsdf::single(Lobe::Dielectric { eta: 1.0 }, false)] {
+        for bsdf in [rough, Bsdf::single(Lobe::dielectric(1.0), false)] {
             assert!(bsdf.is_delta() && bsdf.has_delta());
             for (u, mode) in [(0.0, MODES[0]), (ONE_MINUS_EPSILON, MODES[1])] {
                 let s = sample(&bsdf, wo, u, Vec2::splat(0.3), mode).unwrap();
@@ -229,8 +229,8 @@ fn any_lobe() -> impl Strategy<Value = Lobe> {
         0 => Lobe::Lambert { reflectance: Rgb::WHITE },
         1 => Lobe::Conductor { fresnel },
         2 => Lobe::RoughConductor { fresnel, roughness },
-        3 => Lobe::Dielectric { eta },
-        _ => Lobe::RoughDielectric { eta, roughness },
+        3 => Lobe::dielectric(eta),
+        _ => Lobe::rough_dielectric(eta, roughness),
     })
 }
 
