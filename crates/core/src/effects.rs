@@ -1,66 +1,24 @@
 //! A census of the effects that a scene has, so that only those are simulated.
 
+mod lobes;
+
+pub use lobes::LobeKind;
+
 use crate::{
-    bsdf::{clearcoat_alpha, principled_alpha, thin_roughness},
     camera::Projection,
     has,
     lights::environment::Environment,
-    material::{Material, RoughnessTexture},
+    material::Material,
     rgb::Rgb,
     scene::{DeltaLight, ObjectShape, SceneDescription},
     texture::Texture,
 };
+use lobes::{collect_lobes, is_mixture};
 use std::fmt;
 
 /// Roughness up to which a lobe counts as narrow: light that it gathers makes caustics that sampling the lights from
 /// the receiver misses. At 0.15 a GGX lobe holds half its energy within about 9 degrees of the mirror direction.
 pub const NARROW_ALPHA: f32 = 0.15;
-
-/// The sorts of lobe a material can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LobeKind {
-    /// Diffuse reflection.
-    Lambert,
-    /// Smooth conductor.
-    Conductor,
-    /// Rough conductor.
-    RoughConductor,
-    /// Smooth dielectric.
-    Dielectric,
-    /// Rough dielectric.
-    RoughDielectric,
-    /// Thin sheet of a dielectric.
-    ThinDielectric,
-    /// Diffuse body under a smooth coat.
-    Plastic,
-    /// Diffuse body under a rough coat.
-    RoughPlastic,
-    /// Principled material.
-    Principled,
-    /// Principled material of a thin sheet.
-    PrincipledThin,
-    /// The holes of a mask.
-    Null,
-}
-
-impl LobeKind {
-    /// Its name in lower case.
-    pub const fn name(self) -> &'static str {
-        match self {
-            LobeKind::Lambert => "lambert",
-            LobeKind::Conductor => "smooth conductor",
-            LobeKind::RoughConductor => "rough conductor",
-            LobeKind::Dielectric => "smooth dielectric",
-            LobeKind::RoughDielectric => "rough dielectric",
-            LobeKind::ThinDielectric => "thin dielectric",
-            LobeKind::Plastic => "smooth plastic",
-            LobeKind::RoughPlastic => "rough plastic",
-            LobeKind::Principled => "principled",
-            LobeKind::PrincipledThin => "thin principled",
-            LobeKind::Null => "mask",
-        }
-    }
-}
 
 /// A sort of lobe and how it is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,83 +181,6 @@ impl Census {
         set(has::INFINITE, self.environment.is_some() || self.lights.directional > 0);
         set(has::TEXTURES, self.textured_materials > 0);
         bits
-    }
-}
-
-fn is_mixture(material: &Material) -> bool {
-    match material {
-        Material::Mix { .. } => true,
-        Material::Relief { material, .. } => is_mixture(material),
-        _ => false,
-    }
-}
-
-/// The smallest and the largest of some numbers, if there are any.
-fn range(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
-    values.fold(None, |range, a| Some(range.map_or((a, a), |(least, most): (f32, f32)| (least.min(a), most.max(a)))))
-}
-
-/// The range of a texture whose values are in `[0, 1]`.
-fn unit_range(texture: &Texture<f32>) -> (f32, f32) {
-    range(texture.values().into_iter()).unwrap_or((0.0, 1.0))
-}
-
-/// The range of the microfacet roughness of a principled material.
-fn principled_range(roughness: (f32, f32), anisotropic: &Texture<f32>) -> (f32, f32) {
-    let stretch = unit_range(anisotropic).1;
-    (principled_alpha(roughness.0, stretch).min_element(), principled_alpha(roughness.1, stretch).max_element())
-}
-
-/// The lobes of a material with the range of their roughness.
-fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32, f32))>) {
-    let width = |r: &Option<RoughnessTexture>| {
-        range(r.iter().flat_map(|r| [r.alpha_u.values(), r.alpha_v.values()]).flatten()).unwrap_or((0.0, 0.0))
-    };
-    match material {
-        Material::Lambert { .. } => lobes.push((LobeKind::Lambert, (1.0, 1.0))),
-        Material::Conductor { roughness, .. } => lobes
-            .push((if roughness.is_some() { LobeKind::RoughConductor } else { LobeKind::Conductor }, width(roughness))),
-        Material::Dielectric { roughness, .. } => lobes.push((
-            if roughness.is_some() { LobeKind::RoughDielectric } else { LobeKind::Dielectric },
-            width(roughness),
-        )),
-        Material::ThinDielectric { .. } => lobes.push((LobeKind::ThinDielectric, (0.0, 0.0))),
-        Material::Plastic { roughness: None, .. } => lobes.push((LobeKind::Plastic, (0.0, 1.0))),
-        Material::Plastic { roughness: Some((_, alpha)), .. } => lobes.push((LobeKind::RoughPlastic, (*alpha, 1.0))),
-        Material::Principled(p) => {
-            let mut alpha = principled_range(unit_range(&p.roughness), &p.anisotropic);
-            if unit_range(&p.clearcoat).1 > 0.0 {
-                alpha.0 = alpha.0.min(clearcoat_alpha(unit_range(&p.clearcoat_gloss).1));
-            }
-            if unit_range(&p.metallic).0 < 1.0 && unit_range(&p.spec_trans).0 < 1.0 {
-                alpha.1 = 1.0;
-            }
-            lobes.push((LobeKind::Principled, alpha));
-        }
-        Material::PrincipledThin(p) => {
-            let (least, most) = unit_range(&p.roughness);
-            let reflected = principled_range((least, most), &p.anisotropic);
-            let through = [least, most].map(|r| thin_roughness(p.eta, r).abs());
-            let transmitted = principled_range((through[0], through[1]), &p.anisotropic);
-            let mut alpha = (reflected.0.min(transmitted.0), reflected.1.max(transmitted.1));
-            let specular = unit_range(&p.spec_trans);
-            if specular.1 == 0.0 {
-                alpha.0 = 1.0;
-            }
-            if specular.0 < 1.0 {
-                alpha.1 = 1.0;
-            }
-            lobes.push((LobeKind::PrincipledThin, alpha));
-        }
-        Material::Mask { material, .. } => {
-            collect_lobes(material, lobes);
-            lobes.push((LobeKind::Null, (0.0, 0.0)));
-        }
-        Material::Relief { material, .. } => collect_lobes(material, lobes),
-        Material::Mix { first, second, .. } => {
-            collect_lobes(first, lobes);
-            collect_lobes(second, lobes);
-        }
     }
 }
 

@@ -1,5 +1,11 @@
 //! Scattering at surfaces.
 //!
+//! A [`Bsdf`] is one [`Lobe`] or two mixed; one of the two may be [`Lobe::Null`], which makes the other a material with
+//! holes. A lobe is rough, or scatters into single directions, or does both in parts (smooth [`Plastic`]); see
+//! [`Bsdf::is_delta`] and [`Bsdf::has_delta`].
+//!
+//! The coats and the principled materials have the values that Mitsuba 3.9.1 gives them; their modules say where not.
+//!
 //! Rough lobes follow light to one microfacet and no further: what would leave after a second reflection is lost. The
 //! masking function is separable, as in [Walter et al. 2007]. For a rough conductor that absorbs nothing, the directional
 //! albedo falls short of 1 by so many per cent, by quadrature; angles are between `wo` and the normal:

@@ -65,7 +65,13 @@ impl Plastic {
     /// Whether the coat reflects at all.
     #[inline]
     pub(super) fn has_delta(&self) -> bool {
-        !self.specular.is_black()
+        self.is_delta() || !self.specular.is_black()
+    }
+
+    /// The probability of sampling the coat where it has the given reflectance.
+    #[inline]
+    fn coat_probability(&self, reflectance: f32) -> f32 {
+        if self.is_delta() { 1.0 } else { coat_probability(reflectance, self.specular_share) }
     }
 
     /// Value and density of the body.
@@ -73,7 +79,7 @@ impl Plastic {
     pub(super) fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let (reflectance_o, reflectance_i) = (fresnel::dielectric(wo.z, self.eta), fresnel::dielectric(wi.z, self.eta));
         let value = FRAC_1_PI * (1.0 - reflectance_o) * (1.0 - reflectance_i);
-        let pdf_w = (1.0 - coat_probability(reflectance_o, self.specular_share)) * warp::cosine_hemisphere_pdf(wi.z);
+        let pdf_w = (1.0 - self.coat_probability(reflectance_o)) * warp::cosine_hemisphere_pdf(wi.z);
         (self.body * value, pdf_w)
     }
 
@@ -81,7 +87,7 @@ impl Plastic {
     #[inline]
     pub(super) fn sample_coat(&self, wo: Vec3, u: f32) -> Option<BsdfSample> {
         let reflectance = fresnel::dielectric(wo.z, self.eta);
-        let pdf_w = coat_probability(reflectance, self.specular_share);
+        let pdf_w = self.coat_probability(reflectance);
         (u < pdf_w).then(|| {
             let weight = self.specular * (reflectance / pdf_w);
             BsdfSample { wi: Vec3::new(-wo.x, -wo.y, wo.z), weight, pdf_w, delta: true, eta: 1.0 }

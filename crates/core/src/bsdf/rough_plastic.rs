@@ -2,6 +2,10 @@
 //!
 //! The coat reflects by microfacets. What passes it (a quadrature over the microfacets, tabulated over the angle) is
 //! scattered by the body, as under a smooth coat. The model is the one that Mitsuba calls `roughplastic`.
+//!
+//! Single scattering at the coat loses energy on the way in, on the way out and at every reflection inside: over a white
+//! body, the directional albedo along the normal is 0.96 at a GGX roughness of 0.05, 0.79 at 0.2 and 0.54 at 0.5; with
+//! the Beckmann distribution 0.98, 0.93 and 0.74 (index of refraction 1.5).
 
 use super::{
     Distribution, Roughness, dielectric, flip, fresnel, microfacet,

@@ -1,6 +1,8 @@
 //! Values of `bsdf.eval` in Mitsuba 3.9.1 (variant `scalar_rgb`, radiance): the BSDF times the cosine of the second
 //! direction.
 
+#![expect(clippy::excessive_precision, reason = "the figures as they were printed")]
+
 /// Pairs of directions in front of a surface: zenith and azimuth of `wo`, then of `wi`, in degrees.
 pub(crate) const FRONT: [[f64; 4]; 10] = [
     [0.0, 0.0, 0.0, 0.0],

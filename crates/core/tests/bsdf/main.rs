@@ -3,6 +3,7 @@
 mod agreement;
 mod chart;
 mod chi_square;
+mod compound;
 mod figures;
 mod invariants;
 mod statistics;
