@@ -198,9 +198,15 @@ impl Bsdf {
     /// [`Bsdf::eval`] and [`Bsdf::pdf_w`] at once.
     #[inline]
     pub fn eval_pdf<const HAS: u32>(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
-        if HAS & has::LOBES == 0 {
+        // Most surfaces of most scenes: not worth the way through all kinds of lobe.
+        let plain = match (&self.first, &self.second) {
+            _ if HAS & has::LOBES == 0 => Some(self.lambert_reflectance()),
+            (Lobe::Lambert { reflectance }, None) => Some(*reflectance),
+            _ => None,
+        };
+        if let Some(reflectance) = plain {
             return match in_front(wo, wi, self.two_sided) {
-                Some((_, wi)) => lambert::eval_pdf(self.lambert_reflectance(), wi.z),
+                Some((_, wi)) => lambert::eval_pdf(reflectance, wi.z),
                 None => NOTHING,
             };
         }
