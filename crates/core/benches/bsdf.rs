@@ -2,7 +2,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use etendue_core::{
-    bsdf::{Bsdf, ConductorFresnel, Distribution, Lobe, Roughness, TransportMode},
+    bsdf::{
+        Bsdf, ConductorFresnel, Distribution, Lobe, Plastic, Principled, PrincipledThin, RoughPlastic, Roughness,
+        TransportMode,
+    },
     has,
     rgb::Rgb,
     warp,
@@ -26,16 +29,65 @@ fn lobes() -> Vec<(&'static str, Bsdf)> {
         two_sided: true,
     };
     let single = |lobe| Bsdf::single(lobe, true);
+    let (body, gold) = (Rgb::splat(0.5), Rgb::new(0.8, 0.5, 0.1));
+    let principled = Principled {
+        base_color: gold,
+        roughness: 0.5,
+        anisotropic: 0.0,
+        metallic: 0.0,
+        spec_trans: 0.0,
+        eta: 1.5,
+        spec_tint: 0.0,
+        sheen: 0.0,
+        sheen_tint: 0.0,
+        flatness: 0.0,
+        clearcoat: 0.0,
+        clearcoat_gloss: 0.0,
+    };
+    let everything = Principled {
+        anisotropic: 0.3,
+        metallic: 0.2,
+        spec_trans: 0.6,
+        spec_tint: 0.5,
+        sheen: 0.3,
+        sheen_tint: 0.2,
+        flatness: 0.5,
+        clearcoat: 0.5,
+        clearcoat_gloss: 0.5,
+        ..principled
+    };
+    let leaf = PrincipledThin {
+        base_color: gold,
+        roughness: 0.5,
+        anisotropic: 0.0,
+        spec_trans: 0.2,
+        eta: 1.5,
+        spec_tint: 0.0,
+        sheen: 0.0,
+        sheen_tint: 0.0,
+        flatness: 0.0,
+        diff_trans: 1.0,
+    };
+    let masked = Bsdf { first: Lobe::Null, second: Some((lambert, 0.5)), two_sided: true };
+    let coated = RoughPlastic::new(1.5, (Distribution::Ggx, 0.2), body, Rgb::WHITE, false);
     vec![
         ("lambert", single(lambert)),
         ("conductor", single(Lobe::Conductor { fresnel: metal })),
         ("ggx conductor", single(Lobe::RoughConductor { fresnel: white, roughness: ggx })),
         ("ggx gold", single(Lobe::RoughConductor { fresnel: metal, roughness: ggx })),
         ("beckmann conductor", single(Lobe::RoughConductor { fresnel: white, roughness: beckmann })),
-        ("dielectric", single(Lobe::Dielectric { eta: 1.5 })),
-        ("ggx dielectric", single(Lobe::RoughDielectric { eta: 1.5, roughness: ggx })),
-        ("beckmann dielectric", single(Lobe::RoughDielectric { eta: 1.5, roughness: beckmann })),
+        ("dielectric", single(Lobe::dielectric(1.5))),
+        ("ggx dielectric", single(Lobe::rough_dielectric(1.5, ggx))),
+        ("beckmann dielectric", single(Lobe::rough_dielectric(1.5, beckmann))),
         ("lambert and ggx", mixed),
+        ("thin dielectric", single(Lobe::ThinDielectric { eta: 1.5, reflectance: body, transmittance: body })),
+        ("masked lambert", masked),
+        ("plastic", single(Lobe::Plastic(Plastic::new(1.5, body, Rgb::WHITE, false)))),
+        ("ggx plastic", single(Lobe::RoughPlastic(coated))),
+        ("principled", single(Lobe::Principled(principled))),
+        ("principled metal", single(Lobe::Principled(Principled { metallic: 1.0, ..principled }))),
+        ("principled with everything", single(Lobe::Principled(everything))),
+        ("thin principled", single(Lobe::PrincipledThin(leaf))),
     ]
 }
 

@@ -1,47 +1,24 @@
 //! A census of the effects that a scene has, so that only those are simulated.
 
+mod lobes;
+
+pub use lobes::LobeKind;
+
 use crate::{
     camera::Projection,
     has,
     lights::environment::Environment,
-    material::{Material, RoughnessTexture},
+    material::Material,
     rgb::Rgb,
     scene::{DeltaLight, ObjectShape, SceneDescription},
     texture::Texture,
 };
+use lobes::{collect_lobes, is_mixture};
 use std::fmt;
 
 /// Roughness up to which a lobe counts as narrow: light that it gathers makes caustics that sampling the lights from
 /// the receiver misses. At 0.15 a GGX lobe holds half its energy within about 9 degrees of the mirror direction.
 pub const NARROW_ALPHA: f32 = 0.15;
-
-/// The sorts of lobe a material can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LobeKind {
-    /// Diffuse reflection.
-    Lambert,
-    /// Smooth conductor.
-    Conductor,
-    /// Rough conductor.
-    RoughConductor,
-    /// Smooth dielectric.
-    Dielectric,
-    /// Rough dielectric.
-    RoughDielectric,
-}
-
-impl LobeKind {
-    /// Its name in lower case.
-    pub const fn name(self) -> &'static str {
-        match self {
-            LobeKind::Lambert => "lambert",
-            LobeKind::Conductor => "smooth conductor",
-            LobeKind::RoughConductor => "rough conductor",
-            LobeKind::Dielectric => "smooth dielectric",
-            LobeKind::RoughDielectric => "rough dielectric",
-        }
-    }
-}
 
 /// A sort of lobe and how it is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +27,7 @@ pub struct LobeUse {
     pub kind: LobeKind,
     /// Objects whose material has it.
     pub objects: usize,
-    /// Smallest and largest roughness among them; 0 for smooth ones, 1 for Lambert.
+    /// Smallest and largest roughness among them; 0 for smooth ones and holes, 1 for Lambert and for diffuse bodies.
     pub alpha: (f32, f32),
 }
 
@@ -145,7 +122,7 @@ impl Census {
             }
             if let Some(named) = scene.materials.get(object.material) {
                 used[object.material] = true;
-                census.mixtures += usize::from(matches!(named.material, Material::Mix { .. }));
+                census.mixtures += usize::from(is_mixture(&named.material));
                 census.count_lobes(&named.material);
             }
         }
@@ -168,7 +145,8 @@ impl Census {
         collect_lobes(material, &mut lobes);
         let (mut caster, mut receiver) = (false, false);
         for (kind, alpha) in lobes {
-            caster |= alpha.0 <= NARROW_ALPHA;
+            // A hole gathers nothing: light passes as if it were not there.
+            caster |= kind != LobeKind::Null && alpha.0 <= NARROW_ALPHA;
             receiver |= alpha.1 > NARROW_ALPHA;
             match self.lobes.iter_mut().find(|l| l.kind == kind) {
                 Some(l) => {
@@ -203,35 +181,6 @@ impl Census {
         set(has::INFINITE, self.environment.is_some() || self.lights.directional > 0);
         set(has::TEXTURES, self.textured_materials > 0);
         bits
-    }
-}
-
-/// The lobes of a material with the range of their roughness.
-fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32, f32))>) {
-    let width = |r: &Option<RoughnessTexture>| {
-        let values = r.iter().flat_map(|r| [r.alpha_u.values(), r.alpha_v.values()]).flatten();
-        values.fold(None, |range: Option<(f32, f32)>, a| {
-            Some(range.map_or((a, a), |(least, most)| (least.min(a), most.max(a))))
-        })
-    };
-    let width = |r| width(r).unwrap_or((0.0, 0.0));
-    match material {
-        Material::Lambert { .. } => lobes.push((LobeKind::Lambert, (1.0, 1.0))),
-        Material::Conductor { roughness, .. } => lobes
-            .push((if roughness.is_some() { LobeKind::RoughConductor } else { LobeKind::Conductor }, width(roughness))),
-        Material::Dielectric { roughness, .. } => lobes.push((
-            if roughness.is_some() { LobeKind::RoughDielectric } else { LobeKind::Dielectric },
-            width(roughness),
-        )),
-        Material::Mask { material, .. } | Material::Relief { material, .. } => collect_lobes(material, lobes),
-        Material::ThinDielectric { .. }
-        | Material::Plastic { .. }
-        | Material::Principled(_)
-        | Material::PrincipledThin(_) => unimplemented!(),
-        Material::Mix { first, second, .. } => {
-            collect_lobes(first, lobes);
-            collect_lobes(second, lobes);
-        }
     }
 }
 
@@ -276,7 +225,11 @@ impl fmt::Display for Census {
         for l in &self.lobes {
             write!(f, "{}: {} objects", l.kind.name(), l.objects)?;
             match l.kind {
-                LobeKind::RoughConductor | LobeKind::RoughDielectric => {
+                LobeKind::RoughConductor
+                | LobeKind::RoughDielectric
+                | LobeKind::RoughPlastic
+                | LobeKind::Principled
+                | LobeKind::PrincipledThin => {
                     writeln!(f, ", roughness {} to {}", l.alpha.0, l.alpha.1)?;
                 }
                 _ => writeln!(f)?,

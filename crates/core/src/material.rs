@@ -1,7 +1,7 @@
 //! Materials: what a scene's surfaces are made of, before they are hit.
 
 use crate::{
-    bsdf::{Bsdf, ConductorFresnel, Distribution, Lobe, Roughness},
+    bsdf::{self, Bsdf, ConductorFresnel, Distribution, Lobe, Plastic, RoughPlastic, Roughness},
     rgb::Rgb,
     texture::{Texture, TexturePoint},
 };
@@ -206,15 +206,28 @@ impl Material {
         }
     }
 
-    /// The scattering at a point.
+    /// The scattering at a point, in the frame that the relief, if any, makes there.
     ///
-    /// What [`crate::scene::Scene::new`] refuses (mixtures inside mixtures or masks) counts its first member alone.
+    /// Of a mask the first lobe is [`Lobe::Null`] and the second what is there; where it has no hole or is nothing but a
+    /// hole, there is one lobe. What [`crate::scene::Scene::new`] refuses (mixtures inside mixtures or masks) counts its
+    /// first member alone.
     pub fn bsdf(&self, point: &TexturePoint, two_sided: bool) -> Bsdf {
         match self {
             Material::Mix { first, second, weight } => {
                 Bsdf { first: first.lobe(point), second: Some((second.lobe(point), weight.at(point))), two_sided }
             }
-            single => Bsdf { first: single.lobe(point), second: None, two_sided },
+            Material::Mask { opacity, material } => {
+                let opacity = opacity.at(point);
+                if opacity >= 1.0 {
+                    Bsdf::single(material.lobe(point), two_sided)
+                } else if opacity <= 0.0 {
+                    Bsdf::single(Lobe::Null, two_sided)
+                } else {
+                    Bsdf { first: Lobe::Null, second: Some((material.lobe(point), opacity)), two_sided }
+                }
+            }
+            Material::Relief { material, .. } => material.bsdf(point, two_sided),
+            single => Bsdf::single(single.lobe(point), two_sided),
         }
     }
 
@@ -278,16 +291,65 @@ impl Material {
                     Some(r) => Lobe::RoughConductor { fresnel, roughness: r.at(point) },
                 }
             }
-            Material::Dielectric { eta, roughness: None, .. } => Lobe::Dielectric { eta: *eta },
-            Material::Dielectric { eta, roughness: Some(r), .. } => {
-                Lobe::RoughDielectric { eta: *eta, roughness: r.at(point) }
+            Material::Dielectric { eta, reflectance, transmittance, roughness } => {
+                let (eta, reflectance, transmittance) = (*eta, reflectance.at(point), transmittance.at(point));
+                match roughness {
+                    None => Lobe::Dielectric { eta, reflectance, transmittance },
+                    Some(r) => Lobe::RoughDielectric { eta, roughness: r.at(point), reflectance, transmittance },
+                }
             }
+            Material::ThinDielectric { eta, reflectance, transmittance } => Lobe::ThinDielectric {
+                eta: *eta,
+                reflectance: reflectance.at(point),
+                transmittance: transmittance.at(point),
+            },
+            Material::Plastic { eta, diffuse, specular, nonlinear, roughness } => {
+                let (diffuse, specular) = (diffuse.at(point), specular.at(point));
+                match roughness {
+                    None => Lobe::Plastic(Plastic::new(*eta, diffuse, specular, *nonlinear)),
+                    Some(r) => Lobe::RoughPlastic(RoughPlastic::new(*eta, *r, diffuse, specular, *nonlinear)),
+                }
+            }
+            Material::Principled(p) => Lobe::Principled(p.at(point)),
+            Material::PrincipledThin(p) => Lobe::PrincipledThin(p.at(point)),
             Material::Mix { first, .. } => first.lobe(point),
             Material::Mask { material, .. } | Material::Relief { material, .. } => material.lobe(point),
-            Material::ThinDielectric { .. }
-            | Material::Plastic { .. }
-            | Material::Principled(_)
-            | Material::PrincipledThin(_) => Lobe::Lambert { reflectance: Rgb::BLACK },
+        }
+    }
+}
+
+impl Principled {
+    fn at(&self, point: &TexturePoint) -> bsdf::Principled {
+        bsdf::Principled {
+            base_color: self.base_color.at(point),
+            roughness: self.roughness.at(point),
+            anisotropic: self.anisotropic.at(point),
+            metallic: self.metallic.at(point),
+            spec_trans: self.spec_trans.at(point),
+            eta: self.eta,
+            spec_tint: self.spec_tint.at(point),
+            sheen: self.sheen.at(point),
+            sheen_tint: self.sheen_tint.at(point),
+            flatness: self.flatness.at(point),
+            clearcoat: self.clearcoat.at(point),
+            clearcoat_gloss: self.clearcoat_gloss.at(point),
+        }
+    }
+}
+
+impl PrincipledThin {
+    fn at(&self, point: &TexturePoint) -> bsdf::PrincipledThin {
+        bsdf::PrincipledThin {
+            base_color: self.base_color.at(point),
+            roughness: self.roughness.at(point),
+            anisotropic: self.anisotropic.at(point),
+            spec_trans: self.spec_trans.at(point),
+            eta: self.eta,
+            spec_tint: self.spec_tint.at(point),
+            sheen: self.sheen.at(point),
+            sheen_tint: self.sheen_tint.at(point),
+            flatness: self.flatness.at(point),
+            diff_trans: self.diff_trans.at(point),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Dielectric boundaries, smooth and rough, from either side.
+//! Dielectric boundaries, smooth and rough, from either side, and thin sheets.
 //!
 //! Inside this module `eta` is relative: the index of refraction on the far side of `wo` over that on its own side, and
 //! `wo.z` is positive: for `wo` inside, the caller mirrors directions about the plane and takes [`relative`].
@@ -23,7 +23,7 @@ pub(super) fn resolves(eta: f32, roughness: &Roughness) -> bool {
 /// What radiance is scaled by on refraction against its direction of travel: it carries 1 / eta² [Veach 1997, eq. 5.13]
 /// because the solid angle is compressed; importance is not scaled.
 #[inline]
-fn refraction_scale(mode: TransportMode, eta: f32) -> f32 {
+pub(super) fn refraction_scale(mode: TransportMode, eta: f32) -> f32 {
     match mode {
         TransportMode::Radiance => 1.0 / (eta * eta),
         TransportMode::Importance => 1.0,
@@ -32,26 +32,68 @@ fn refraction_scale(mode: TransportMode, eta: f32) -> f32 {
 
 /// Refracts `wo` at the unit normal `m` with `cos` = wo.m > 0; `None` for total internal reflection.
 #[inline]
-fn refract(wo: Vec3, m: Vec3, cos: f32, eta: f32) -> Option<Vec3> {
+pub(super) fn refract(wo: Vec3, m: Vec3, cos: f32, eta: f32) -> Option<Vec3> {
     let transmitted2 = fresnel::scaled_transmitted_cos2(cos, eta);
     // [Walter et al. 2007, eq. 40]
     (transmitted2 > 0.0).then(|| (m * (cos - transmitted2.sqrt()) - wo) / eta)
 }
 
-/// Reflection with the Fresnel reflectance as its probability, refraction otherwise. `u` chooses.
+/// Reflection with the Fresnel reflectance as its probability, refraction otherwise. `u` chooses; `tints` are the
+/// factors on what is reflected and transmitted.
 #[inline]
-pub(super) fn sample_smooth(wo: Vec3, eta: f32, u: f32, mode: TransportMode) -> Option<BsdfSample> {
+pub(super) fn sample_smooth(wo: Vec3, eta: f32, tints: [Rgb; 2], u: f32, mode: TransportMode) -> Option<BsdfSample> {
     if eta == 1.0 {
-        return Some(BsdfSample { wi: -wo, weight: Rgb::WHITE, pdf_w: 1.0, delta: true, eta });
+        return Some(BsdfSample { wi: -wo, weight: tints[1], pdf_w: 1.0, delta: true, eta });
     }
     let reflectance = fresnel::dielectric(wo.z, eta);
     if u < reflectance {
         let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-        return Some(BsdfSample { wi, weight: Rgb::WHITE, pdf_w: reflectance, delta: true, eta: 1.0 });
+        return Some(BsdfSample { wi, weight: tints[0], pdf_w: reflectance, delta: true, eta: 1.0 });
     }
     let wi = refract(wo, Vec3::Z, wo.z, eta)?;
-    let weight = Rgb::splat(refraction_scale(mode, eta));
+    let weight = tints[1] * refraction_scale(mode, eta);
     Some(BsdfSample { wi, weight, pdf_w: 1.0 - reflectance, delta: true, eta })
+}
+
+/// Reflection by a thin sheet of index of refraction `eta` over that around it, or passage straight through.
+#[inline]
+pub(super) fn sample_thin(wo: Vec3, eta: f32, tints: [Rgb; 2], u: f32) -> BsdfSample {
+    let once = fresnel::dielectric(wo.z, eta);
+    // r + t² r (1 + r² + r⁴ + ...) with t = 1 - r: the light reflected between the faces comes out on both sides
+    // [Stokes 1862].
+    let reflectance = 2.0 * once / (1.0 + once);
+    let (wi, weight, pdf_w) = if u < reflectance {
+        (Vec3::new(-wo.x, -wo.y, wo.z), tints[0], reflectance)
+    } else {
+        (-wo, tints[1], 1.0 - reflectance)
+    };
+    BsdfSample { wi, weight, pdf_w, delta: true, eta: 1.0 }
+}
+
+/// How two directions on different sides of a rough boundary are connected.
+pub(super) struct Refraction {
+    /// The microfacet normal, on the side of `wo`, not normalised.
+    pub h: Vec3,
+    /// The cosine of `wo` to it.
+    pub cos: f32,
+    /// `|wo.m| |wi.m| eta² / (wo.m + eta wi.m)²`
+    pub jacobian: f32,
+}
+
+/// The microfacet that refracts `wo`, above the surface, to `wi` below it; `None` if it would have to be turned away.
+#[inline]
+pub(super) fn refraction(wo: Vec3, wi: Vec3, eta: f32) -> Option<Refraction> {
+    // [Walter et al. 2007, eq. 16], turned to the upper side.
+    let h = wo + eta * wi;
+    let h = if h.z < 0.0 { -h } else { h };
+    let (along_o, along_i) = (wo.dot(h), wi.dot(h));
+    if h.z <= 0.0 || along_o <= 0.0 || along_i >= 0.0 {
+        return None;
+    }
+    let length2 = h.length_squared();
+    // [Walter et al. 2007, eq. 17 and 21]: the denominator of the Jacobian is |h|².
+    let jacobian = (along_o / length2) * (-along_i / length2) * (eta * eta);
+    Some(Refraction { h, cos: along_o / length2.sqrt(), jacobian })
 }
 
 /// Value and density of a rough boundary [Walter et al. 2007].
@@ -66,17 +108,8 @@ pub(super) fn eval_pdf(roughness: &Roughness, wo: Vec3, wi: Vec3, eta: f32, mode
         let value = common * masking * roughness.masking_over_cos(wi);
         return (value, common * visibility);
     }
-    // [Walter et al. 2007, eq. 16], turned to the upper side.
-    let h = wo + eta * wi;
-    let h = if h.z < 0.0 { -h } else { h };
-    let (along_o, along_i) = (wo.dot(h), wi.dot(h));
-    if h.z <= 0.0 || along_o <= 0.0 || along_i >= 0.0 {
-        return (0.0, 0.0);
-    }
-    let length2 = h.length_squared();
-    let transmittance = 1.0 - fresnel::dielectric(along_o / length2.sqrt(), eta);
-    // [Walter et al. 2007, eq. 17 and 21]: |wo.m| |wi.m| eta² / (wo.m + eta wi.m)², whose denominator is |h|².
-    let jacobian = (along_o / length2) * (-along_i / length2) * (eta * eta);
+    let Some(Refraction { h, cos, jacobian }) = refraction(wo, wi, eta) else { return (0.0, 0.0) };
+    let transmittance = 1.0 - fresnel::dielectric(cos, eta);
     let common = transmittance * roughness.density(h) * jacobian;
     let value = common * masking * roughness.masking_over_cos(flip(wi));
     (value * refraction_scale(mode, eta), common * visibility)

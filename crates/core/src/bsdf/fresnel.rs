@@ -30,6 +30,26 @@ pub(super) fn scaled_transmitted_cos2(cos: f32, eta: f32) -> f32 {
     (eta - 1.0) * (eta + 1.0) + cos * cos
 }
 
+/// Reflectance in `[0, 1]` of a dielectric boundary for light that arrives evenly from the whole hemisphere: the mean of
+/// [`dielectric`] weighted with the cosine. A fit, within 0.003 for `eta` from 0.5 to 2, and the one that other
+/// renderers' coats are made of, so that coats agree with theirs.
+pub fn diffuse(eta: f32) -> f32 {
+    let inverse = 1.0 / eta;
+    if eta >= 1.0 {
+        // [d'Eon and Irving 2011]
+        [-1.368_81, 4.985_54, -7.809_89, 6.753_35, -3.479_3, 0.919_317].iter().fold(0.0, |sum, c| sum * inverse + c)
+    } else if inverse <= LARGEST_FITTED {
+        // [Egan and Hilgeman 1973]
+        0.0636 * inverse + 0.6681 + eta * (0.7099 - 1.4399 * eta)
+    } else {
+        // The fit would exceed 1. As much light enters as leaves, over solid angles eta² apart.
+        1.0 - (1.0 - diffuse(inverse)) * eta * eta
+    }
+}
+
+/// The index of refraction up to which [`diffuse`] takes the fit of Egan and Hilgeman from inside; it is 0.006 too high there.
+const LARGEST_FITTED: f32 = 2.5;
+
 /// Reflectance in `[0, 1]` of a conductor of index of refraction `eta + i k`, both relative to the outside.
 #[inline]
 pub fn conductor(cos: f32, eta: f32, k: f32) -> f32 {
@@ -107,6 +127,30 @@ mod tests {
             for eta in [1.01f32, 1.33, 1.5, 2.4] {
                 let transmitted = scaled_transmitted_cos2(cos, eta).sqrt() / eta;
                 assert!((dielectric(cos, eta) - dielectric(transmitted, 1.0 / eta)).abs() < 1e-5, "{cos} {eta}");
+            }
+        }
+    }
+
+    #[test]
+    fn diffuse_reflectance_is_the_mean_over_the_hemisphere() {
+        for (eta, outside, inside) in [
+            (1.0f32, 3e-4, 3e-3),
+            (1.1, 3e-4, 1e-3),
+            (1.33, 3e-4, 1e-3),
+            (1.5, 3e-4, 1e-3),
+            (2.0, 3e-4, 1e-3),
+            (2.5, 3e-4, 6e-3),
+            (2.6, 3e-4, 3e-4),
+            (10.0, 1e-2, 3e-4),
+        ] {
+            for (eta, tolerance) in [(eta, outside), (1.0 / eta, inside)] {
+                let n = 20_000;
+                let mean = |i| {
+                    let cos = (f64::from(i) + 0.5) / f64::from(n);
+                    2.0 * cos * f64::from(dielectric(cos as f32, eta)) / f64::from(n)
+                };
+                let mean: f64 = (0..n).map(mean).sum();
+                assert!((f64::from(diffuse(eta)) - mean).abs() < tolerance, "{eta}: {} {mean}", diffuse(eta));
             }
         }
     }

@@ -1,5 +1,11 @@
 //! Scattering at surfaces.
 //!
+//! A [`Bsdf`] is one [`Lobe`] or two mixed; one of the two may be [`Lobe::Null`], which makes the other a material with
+//! holes. A lobe is rough, or scatters into single directions, or does both in parts (smooth [`Plastic`]); see
+//! [`Bsdf::is_delta`] and [`Bsdf::has_delta`].
+//!
+//! The coats and the principled materials have the values that Mitsuba 3.9.1 gives them; their modules say where not.
+//!
 //! Rough lobes follow light to one microfacet and no further: what would leave after a second reflection is lost. The
 //! masking function is separable, as in [Walter et al. 2007]. For a rough conductor that absorbs nothing, the directional
 //! albedo falls short of 1 by so many per cent, by quadrature; angles are between `wo` and the normal:
@@ -25,17 +31,34 @@
 //! of the exact one; so far can the albedo exceed what conserves energy.
 
 mod beckmann;
+mod burley;
+mod choice;
+mod clearcoat;
 mod conductor;
 mod dielectric;
 pub mod fresnel;
 mod lambert;
+mod lobe;
 mod microfacet;
+mod plastic;
+mod principled;
+mod principled_thin;
+mod rough_plastic;
 mod shading;
 
+pub(crate) use burley::principled_alpha;
+pub(crate) use clearcoat::alpha as clearcoat_alpha;
+pub use lobe::Lobe;
+pub use plastic::Plastic;
+pub use principled::Principled;
+pub use principled_thin::PrincipledThin;
+pub(crate) use principled_thin::thin_roughness;
+pub use rough_plastic::RoughPlastic;
 pub use shading::shading_correction;
 
 use crate::{has, rgb::Rgb, warp::ONE_MINUS_EPSILON};
 use glam::{Vec2, Vec3};
+use lobe::Proposal;
 
 /// What a path carries: it decides the scaling at a refracting boundary [Veach 1997, sec. 5.2].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,40 +103,6 @@ pub enum ConductorFresnel {
     },
 }
 
-/// One way of scattering, by value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lobe {
-    /// Constant diffuse reflection.
-    Lambert {
-        /// Albedo.
-        reflectance: Rgb,
-    },
-    /// Smooth conductor: a mirror.
-    Conductor {
-        /// Reflectance.
-        fresnel: ConductorFresnel,
-    },
-    /// Rough conductor (Torrance-Sparrow with separable Smith masking).
-    RoughConductor {
-        /// Reflectance at the microfacets.
-        fresnel: ConductorFresnel,
-        /// Microfacet distribution.
-        roughness: Roughness,
-    },
-    /// Smooth dielectric boundary: reflects and refracts.
-    Dielectric {
-        /// Index of refraction inside over outside; outside is where the normal points.
-        eta: f32,
-    },
-    /// Rough dielectric boundary [Walter et al. 2007].
-    RoughDielectric {
-        /// Index of refraction inside over outside.
-        eta: f32,
-        /// Microfacet distribution.
-        roughness: Roughness,
-    },
-}
-
 /// How a surface scatters at a point: one lobe, or two mixed. Directions are in the local shading frame: `z` is the
 /// shading normal, `wo` points to where the path came from, `wi` to where it goes, both away from the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +111,8 @@ pub struct Bsdf {
     pub first: Lobe,
     /// The second lobe and its share in `[0, 1]`; the first has the rest.
     pub second: Option<(Lobe, f32)>,
-    /// Whether the back side scatters as the front side does (opaque lobes only; a dielectric has both sides anyway).
+    /// Whether the back side scatters as the front side does (opaque lobes only; what light passes has both sides
+    /// anyway).
     pub two_sided: bool,
 }
 
@@ -162,105 +152,6 @@ fn in_front(wo: Vec3, wi: Vec3, two_sided: bool) -> Option<(Vec3, Vec3)> {
     }
 }
 
-impl Lobe {
-    /// Whether the lobe scatters into single directions only. So does a rough dielectric with `eta` so near to 1 that
-    /// `|eta - 1| alpha` is below the resolution of directions: it counts as smooth.
-    #[inline]
-    pub fn is_delta(&self) -> bool {
-        match self {
-            Lobe::Lambert { .. } | Lobe::RoughConductor { .. } => false,
-            Lobe::Conductor { .. } | Lobe::Dielectric { .. } => true,
-            Lobe::RoughDielectric { eta, roughness } => !dielectric::resolves(*eta, roughness),
-        }
-    }
-
-    /// Whether it changes when the surface is turned about its normal.
-    #[inline]
-    pub fn is_anisotropic(&self) -> bool {
-        match self {
-            Lobe::Lambert { .. } | Lobe::Conductor { .. } | Lobe::Dielectric { .. } => false,
-            Lobe::RoughConductor { roughness, .. } | Lobe::RoughDielectric { roughness, .. } => {
-                roughness.alpha.x != roughness.alpha.y
-            }
-        }
-    }
-
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode, two_sided: bool) -> (Rgb, f32) {
-        match self {
-            Lobe::Lambert { reflectance } => match in_front(wo, wi, two_sided) {
-                Some((_, wi)) => lambert::eval_pdf(*reflectance, wi.z),
-                None => NOTHING,
-            },
-            Lobe::RoughConductor { fresnel, roughness } => match in_front(wo, wi, two_sided) {
-                Some((wo, wi)) => conductor::eval_pdf(fresnel, roughness, wo, wi),
-                None => NOTHING,
-            },
-            Lobe::RoughDielectric { eta, roughness } => {
-                if wo.z == 0.0 || wi.z == 0.0 || !dielectric::resolves(*eta, roughness) {
-                    return NOTHING;
-                }
-                let turned = wo.z < 0.0;
-                let (wo, wi) = if turned { (flip(wo), flip(wi)) } else { (wo, wi) };
-                let eta = dielectric::relative(*eta, turned);
-                let (value, pdf_w) = dielectric::eval_pdf(roughness, wo, wi, eta, mode);
-                (Rgb::splat(value), pdf_w)
-            }
-            Lobe::Conductor { .. } | Lobe::Dielectric { .. } => NOTHING,
-        }
-    }
-
-    /// A proposal of this lobe alone.
-    #[inline]
-    fn propose(&self, wo: Vec3, choice: f32, u: Vec2, mode: TransportMode, two_sided: bool) -> Option<Proposal> {
-        let turned = wo.z < 0.0;
-        let opaque = !matches!(self, Lobe::Dielectric { .. } | Lobe::RoughDielectric { .. });
-        // Neither side, or the black back; a NaN as well.
-        if !(wo.z > 0.0 || turned) || (opaque && turned && !two_sided) {
-            return None;
-        }
-        let up = if turned { flip(wo) } else { wo };
-        let proposal = match self {
-            Lobe::Lambert { .. } => Proposal::Direction(lambert::sample(u), 1.0),
-            Lobe::Conductor { fresnel } => Proposal::Delta(conductor::sample_smooth(fresnel, up)),
-            Lobe::RoughConductor { roughness, .. } => Proposal::Direction(conductor::sample(roughness, up, u)?, 1.0),
-            Lobe::Dielectric { eta } => {
-                let eta = dielectric::relative(*eta, turned);
-                Proposal::Delta(dielectric::sample_smooth(up, eta, choice, mode)?)
-            }
-            Lobe::RoughDielectric { eta, roughness } => {
-                let smooth = !dielectric::resolves(*eta, roughness);
-                let eta = dielectric::relative(*eta, turned);
-                if smooth {
-                    Proposal::Delta(dielectric::sample_smooth(up, eta, choice, mode)?)
-                } else {
-                    let (wi, eta) = dielectric::sample(roughness, up, eta, choice, u)?;
-                    Proposal::Direction(wi, eta)
-                }
-            }
-        };
-        Some(if turned { proposal.flipped() } else { proposal })
-    }
-}
-
-/// What a lobe proposes.
-enum Proposal {
-    /// A whole sample of a delta lobe.
-    Delta(BsdfSample),
-    /// A direction, whose density depends on the other lobes too, and the quotient of the indices of refraction.
-    Direction(Vec3, f32),
-}
-
-impl Proposal {
-    #[inline]
-    fn flipped(self) -> Proposal {
-        match self {
-            Proposal::Delta(sample) => Proposal::Delta(BsdfSample { wi: flip(sample.wi), ..sample }),
-            Proposal::Direction(wi, eta) => Proposal::Direction(flip(wi), eta),
-        }
-    }
-}
-
 /// The methods that take `HAS` are compiled for the features of a scene ([`crate::has`]). Without [`has::LOBES`] the
 /// caller knows that every BSDF is a single Lambert lobe, and nothing branches on the kind of lobe; with other lobes
 /// the result would then be black.
@@ -277,16 +168,19 @@ impl Bsdf {
         Bsdf::single(Lobe::Lambert { reflectance }, two_sided)
     }
 
-    /// Whether every lobe scatters into single directions only, so that no connection to a given point is possible.
+    /// Whether every lobe scatters into single directions only, so that no connection to a given point is possible:
+    /// [`Bsdf::eval`] and [`Bsdf::pdf_w`] are 0 everywhere, and every sample says [`BsdfSample::delta`].
     #[inline]
     pub fn is_delta(&self) -> bool {
         self.first.is_delta() && self.second.is_none_or(|(lobe, _)| lobe.is_delta())
     }
 
-    /// Whether some lobe scatters into single directions.
+    /// Whether some lobe, or a part of one as the coat of smooth plastic, scatters into single directions: a sample may
+    /// say [`BsdfSample::delta`]. Where this holds and [`Bsdf::is_delta`] does not, connections find a part of the light
+    /// and samples the rest.
     #[inline]
     pub fn has_delta(&self) -> bool {
-        self.first.is_delta() || self.second.is_some_and(|(lobe, _)| lobe.is_delta())
+        self.first.has_delta() || self.second.is_some_and(|(lobe, _)| lobe.has_delta())
     }
 
     /// Whether some lobe changes when the surface is turned about its normal.
@@ -310,9 +204,15 @@ impl Bsdf {
     /// [`Bsdf::eval`] and [`Bsdf::pdf_w`] at once.
     #[inline]
     pub fn eval_pdf<const HAS: u32>(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
-        if HAS & has::LOBES == 0 {
+        // Most surfaces of most scenes: not worth the way through all kinds of lobe.
+        let plain = match (&self.first, &self.second) {
+            _ if HAS & has::LOBES == 0 => Some(self.lambert_reflectance()),
+            (Lobe::Lambert { reflectance }, None) => Some(*reflectance),
+            _ => None,
+        };
+        if let Some(reflectance) = plain {
             return match in_front(wo, wi, self.two_sided) {
-                Some((_, wi)) => lambert::eval_pdf(self.lambert_reflectance(), wi.z),
+                Some((_, wi)) => lambert::eval_pdf(reflectance, wi.z),
                 None => NOTHING,
             };
         }
@@ -380,5 +280,15 @@ impl Bsdf {
             Lobe::Lambert { reflectance } => reflectance,
             _ => Rgb::BLACK,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_vertex_carries_two_cache_lines_of_scattering() {
+        assert_eq!((size_of::<Lobe>(), size_of::<Bsdf>()), (60, 128));
     }
 }

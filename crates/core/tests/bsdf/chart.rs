@@ -17,6 +17,8 @@ pub enum Chart {
     Reflect(DVec2),
     /// Refraction at that normal, with the far index of refraction over the near one.
     Refract(DVec2, f64),
+    /// Reflection continued to the other side.
+    Through(DVec2),
 }
 
 /// The unit vector that the single precision `w` stands for: its largest component, which holds the rounding error,
@@ -53,6 +55,10 @@ impl Chart {
                 let wi = m * (2.0 * wo.dot(m)) - wo;
                 (wi, wo.dot(m) > 0.0 && wi.z > 0.0)
             }
+            Chart::Through(alpha) => {
+                let (wi, valid) = Chart::Reflect(alpha).direction(wo, p);
+                (DVec3::new(wi.x, wi.y, -wi.z), valid)
+            }
             Chart::Refract(alpha, eta) => {
                 let m = normal(alpha, p.x, p.y);
                 let c = wo.dot(m);
@@ -70,6 +76,7 @@ impl Chart {
                 return Some(DVec2::new(0.5 * (wi.z + 1.0), (wi.y.atan2(wi.x) / TAU).rem_euclid(1.0)));
             }
             Chart::Reflect(alpha) if wi.z > 0.0 => (alpha, wo + wi),
+            Chart::Through(alpha) if wi.z < 0.0 => (alpha, wo + DVec3::new(wi.x, wi.y, -wi.z)),
             Chart::Refract(alpha, eta) if wi.z < 0.0 => (alpha, (wo + eta * wi) * (1.0 - eta).signum()),
             _ => return None,
         };

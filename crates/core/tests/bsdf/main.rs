@@ -1,7 +1,10 @@
 //! Statistics and invariants of scattering, from outside.
 
+mod agreement;
 mod chart;
 mod chi_square;
+mod compound;
+mod figures;
 mod invariants;
 mod statistics;
 
@@ -47,7 +50,7 @@ pub(crate) fn conductor(distribution: Distribution, x: f32, y: f32, fresnel: Con
 
 pub(crate) fn dielectric(distribution: Distribution, x: f32, y: f32, eta: f32) -> Bsdf {
     let roughness = Roughness { distribution, alpha: Vec2::new(x, y) };
-    Bsdf::single(Lobe::RoughDielectric { eta, roughness }, false)
+    Bsdf::single(Lobe::rough_dielectric(eta, roughness), false)
 }
 
 /// Every rough lobe at roughness from 1e-4 to 1, isotropic and not, seen from the normal to a tenth of a degree above
@@ -91,7 +94,7 @@ pub(crate) fn wide_cases() -> Vec<Case> {
     let lambert = Lobe::Lambert { reflectance: Rgb::new(0.8, 0.5, 0.2) };
     let rough = |x, y| Roughness { distribution: Distribution::Ggx, alpha: Vec2::new(x, y) };
     let metal = Lobe::RoughConductor { fresnel: METAL, roughness: rough(0.4, 0.8) };
-    let glass = Lobe::RoughDielectric { eta: 1.5, roughness: rough(0.6, 0.6) };
+    let glass = Lobe::rough_dielectric(1.5, rough(0.6, 0.6));
     let mirror = Lobe::Conductor { fresnel: METAL };
     let mix = |first, second, share, two_sided| Bsdf { first, second: Some((second, share)), two_sided };
     let bsdfs = [

@@ -12,12 +12,12 @@ use etendue_core::{
 };
 
 /// Cells along each side of a chart.
-const CELLS: usize = 12;
+pub(crate) const CELLS: usize = 12;
 const SAMPLES: usize = 100_000;
 
 /// For each case: sampled directions follow `pdf_w` (chi-square), it integrates to the probability of scattering at
 /// all, and weights average to the directional albedo.
-fn check(cases: &[Case], seed: u64) {
+pub(crate) fn check(cases: &[Case], seed: u64) {
     // The chance that one of the cases fails by bad luck is 1e-3 [Sidak 1967].
     let significance = 1.0 - (1.0 - 1e-3f64).powf(1.0 / cases.len() as f64);
     let failures: Vec<String> =
