@@ -475,7 +475,10 @@ fn what_is_invalid_is_refused_by_name() {
     check(&|s| s.environment = Some(sky_with_texel(1.0, 3, 4, f32::NAN)), &["environment", "3", "4"]);
     check(&|s| s.environment = Some(sky_with_texel(1.0, 3, 4, -1.0)), &["environment", "3", "4"]);
     let point = DeltaLight::Point { position: DVec3::NAN, intensity: Rgb::WHITE };
-    check(&|s| s.lights.push(LightDescription { name: "bulb".into(), kind: point.clone() }), &["light 'bulb'", "position"]);
+    check(
+        &|s| s.lights.push(LightDescription { name: "bulb".into(), kind: point.clone() }),
+        &["light 'bulb'", "position"],
+    );
     let far = DAffine3::from_translation(DVec3::splat(1e300));
     check(&|s| s.objects[4].to_world = far * s.objects[4].to_world, &["'", "not finite"]);
 }

@@ -8,6 +8,7 @@ use crate::{
     techniques,
 };
 use etendue_core::{
+    camera::CameraDescription,
     film::Film,
     scene::Scene,
     statistics::render::RenderStatistics,
@@ -155,9 +156,12 @@ impl Job {
         }
         let mut scene = etendue_scenes::load(spec)?;
         if let (Some(size), Some(camera)) = (wish.size, &mut scene.description.camera) {
+            if camera.crop.is_some() {
+                return Err(Error::Input(format!("{spec}: --size does not go with a film that is cropped")));
+            }
             camera.resolution = size.of(camera.resolution);
         }
-        let size = scene.description.camera.as_ref().map_or(UVec2::ZERO, |c| c.resolution);
+        let size = scene.description.camera.as_ref().map_or(UVec2::ZERO, CameraDescription::image_size);
         let pixels = u64::from(size.x) * u64::from(size.y);
         if pixels > MOST_PIXELS {
             return Err(Error::Input(format!("{spec}: its camera has {pixels} pixels; --size takes less")));

@@ -79,6 +79,8 @@ pub struct Census {
     pub textured_materials: usize,
     /// Lights.
     pub lights: LightCount,
+    /// Objects whose inside absorbs light.
+    pub absorbing: usize,
     /// Light from infinity.
     pub environment: Option<EnvironmentUse>,
     /// Objects with a smooth or narrow lobe: what can cast a caustic.
@@ -101,6 +103,7 @@ impl Census {
             mixtures: 0,
             textured_materials: 0,
             lights: LightCount::default(),
+            absorbing: 0,
             environment: scene.environment.as_ref().and_then(environment_use),
             casters: 0,
             receivers: 0,
@@ -120,6 +123,7 @@ impl Census {
                 census.lights.area_objects += 1;
                 census.lights.area_elements += elements.max(1);
             }
+            census.absorbing += usize::from(object.absorption.is_some_and(|a| !a.is_black()));
             if let Some(named) = scene.materials.get(object.material) {
                 used[object.material] = true;
                 census.mixtures += usize::from(is_mixture(&named.material));
@@ -179,6 +183,7 @@ impl Census {
         set(has::INSTANCES, self.instances > 0);
         set(has::LOBES, self.mixtures > 0 || self.lobes.iter().any(|l| l.kind != LobeKind::Lambert));
         set(has::INFINITE, self.environment.is_some() || self.lights.directional > 0);
+        set(has::MEDIA, self.absorbing > 0);
         set(has::TEXTURES, self.textured_materials > 0);
         bits
     }
@@ -237,6 +242,7 @@ impl fmt::Display for Census {
         }
         writeln!(f, "mixtures: {} objects", self.mixtures)?;
         writeln!(f, "textured materials: {}", self.textured_materials)?;
+        writeln!(f, "absorbing insides: {} objects", self.absorbing)?;
         let l = &self.lights;
         writeln!(f, "area lights: {} ({} elements)", l.area_objects, l.area_elements)?;
         writeln!(f, "point, spot, directional lights: {}, {}, {}", l.point, l.spot, l.directional)?;

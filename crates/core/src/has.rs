@@ -14,7 +14,7 @@ pub const LOBES: u32 = 4;
 pub const INFINITE: u32 = 8;
 /// Textures: a material's parameters or normals, or what a light emits, depend on where it is hit.
 pub const TEXTURES: u32 = 16;
-/// Absorption inside objects. Rare enough that such scenes run the loop that can do anything.
+/// Absorption inside objects (Beer's law). Rare enough that such scenes run the loop that can do anything.
 pub const MEDIA: u32 = 32;
 /// Every bit: the loop that can do anything.
 pub const ALL: u32 = 63;

@@ -2,6 +2,7 @@
 
 use crate::{
     bsdf::{self, Bsdf, ConductorFresnel, Distribution, Lobe, Plastic, RoughPlastic, Roughness},
+    relief::Relief,
     rgb::Rgb,
     texture::{Texture, TexturePoint},
 };
@@ -111,23 +112,6 @@ pub enum Material {
         relief: Relief,
         /// The material.
         material: Box<Material>,
-    },
-}
-
-/// A texture that changes shading normals.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Relief {
-    /// The surface displaced along its normal [Blinn 1978].
-    Bump {
-        /// Height, in the units of the scene.
-        height: Texture<f32>,
-        /// Factor on the height.
-        scale: f32,
-    },
-    /// Normals in the frame of the texture coordinates.
-    NormalMap {
-        /// Components from -1 to 1 stored as 0 to 1; z is along the shading normal.
-        normals: Texture<Rgb>,
     },
 }
 

@@ -42,6 +42,8 @@ pub struct SurfaceVertex {
     pub from: Vec3,
     /// Throughput of the path up to here, this vertex's scattering not included.
     pub beta: Rgb,
+    /// What the edge to here ran through absorbs a metre; black where nothing absorbs.
+    pub medium: Rgb,
     /// Density per steradian with which the edge to here was sampled; a probability after a delta lobe.
     pub pdf_w: f32,
     /// Edges up to here: 1 for what the camera sees directly.
@@ -93,6 +95,8 @@ pub struct Walk<'a, const HAS: u32> {
     ray: Ray,
     from: Vec3,
     beta: Rgb,
+    /// What the ray runs through absorbs so much a metre.
+    medium: Rgb,
     /// Product of the relative indices of refraction passed, in radiance mode: what `beta` is scaled by squared.
     eta: f32,
     pdf_w: f32,
@@ -112,6 +116,7 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             from: ray.origin,
             ray,
             beta,
+            medium: Rgb::BLACK,
             eta: 1.0,
             pdf_w,
             depth: 0,
@@ -139,10 +144,13 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
         let direction = self.ray.direction;
         match self.scene.closest::<HAS>(&self.ray) {
             None => {
+                self.absorb(f32::INFINITY);
                 Vertex::Escaped(EscapedVertex { direction, beta: self.beta, pdf_w: self.pdf_w, history: self.history })
             }
             Some(hit) => {
-                let surface = self.scene.surface::<HAS>(&self.ray, &hit);
+                let mut surface = self.scene.surface::<HAS>(&self.ray, &hit);
+                self.scene.relieve::<HAS>(&mut surface);
+                self.absorb(hit.t);
                 let bsdf = self.scene.bsdf::<HAS>(&surface);
                 // What is isotropic looks the same in every frame about the normal, and one of them is had for less.
                 let frame = if HAS & has::LOBES != 0 && bsdf.is_anisotropic() {
@@ -159,11 +167,20 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
                     wo,
                     from: self.from,
                     beta: self.beta,
+                    medium: self.medium,
                     pdf_w: self.pdf_w,
                     depth: self.depth,
                     history: self.history,
                 })
             }
+        }
+    }
+
+    /// Takes what the medium absorbs over a distance along the ray.
+    #[inline]
+    fn absorb(&mut self, distance: f32) {
+        if HAS & has::MEDIA != 0 {
+            self.beta = self.beta * transmittance(self.medium, distance);
         }
     }
 
@@ -191,7 +208,9 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
         let u = sampler.get_2d(self.depth, direction);
         let Some(sample) = vertex.bsdf.sample::<HAS>(vertex.wo_local, u_lobe, u, self.mode) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
-        let correction = vertex.correction(wi, sample.wi, self.mode);
+        // What passes straight through a mask or a thin sheet has met no boundary that a normal belongs to.
+        let straight = HAS & has::LOBES != 0 && sample.delta && sample.wi == -vertex.wo_local;
+        let correction = if straight { 1.0 } else { vertex.correction(wi, sample.wi, self.mode) };
         self.beta = self.beta * sample.weight * correction;
         if self.beta.is_black() {
             return false;
@@ -208,6 +227,7 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             }
             self.beta *= 1.0 / survival;
         }
+        self.medium = self.scene.medium_towards::<HAS>(&vertex.surface, vertex.wo, wi, self.medium);
         self.history.rough += u32::from(!sample.delta);
         self.history.last_delta = sample.delta;
         self.pdf_w = sample.pdf_w;
@@ -217,7 +237,24 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
     }
 }
 
+/// What is left of light over a distance in metres through a medium that absorbs so much a metre. [Beer's law]
+#[inline]
+pub fn transmittance(absorption: Rgb, distance: f32) -> Rgb {
+    // Zero times infinity is not a number: what does not absorb lets light through from anywhere.
+    let left = |a: f32| if a > 0.0 { (-a * distance).exp() } else { 1.0 };
+    Rgb::new(left(absorption.r), left(absorption.g), left(absorption.b))
+}
+
 impl SurfaceVertex {
+    /// What is left of light on a straight way of a distance in metres from here towards `wi`, nothing being between.
+    #[inline]
+    pub fn transmittance<const HAS: u32>(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
+        if HAS & has::MEDIA == 0 {
+            return Rgb::WHITE;
+        }
+        transmittance(scene.medium_towards::<HAS>(&self.surface, self.wo, wi, self.medium), distance)
+    }
+
     /// The factor that shading normals bring for light going from or to `wi` (world, and local in the shading frame):
     /// 0 where `wi` or `wo` lies on different sides of the shading and of the geometric normal.
     #[inline]

@@ -122,5 +122,11 @@ fn next_event<const HAS: u32>(
     }
     // A light without an extent cannot be found by sampling the BSDF.
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, bsdf_pdf) };
-    vertex.beta * f_cos * light.radiance * (weight / light.pdf_w)
+    let light_left = if HAS & has::MEDIA != 0 {
+        let distance = if light.infinite { f32::INFINITY } else { light.target.distance(surface.p) };
+        light.radiance * vertex.transmittance::<HAS>(scene, light.wi, distance)
+    } else {
+        light.radiance
+    };
+    vertex.beta * f_cos * light_left * (weight / light.pdf_w)
 }

@@ -106,6 +106,25 @@ impl Lobe {
         }
     }
 
+    /// Whether it changes when the surface is turned about its normal.
+    #[inline]
+    pub fn is_anisotropic(&self) -> bool {
+        match self {
+            Lobe::Lambert { .. }
+            | Lobe::Conductor { .. }
+            | Lobe::Dielectric { .. }
+            | Lobe::ThinDielectric { .. }
+            | Lobe::Null
+            | Lobe::Plastic(_)
+            | Lobe::RoughPlastic(_) => false,
+            Lobe::RoughConductor { roughness, .. } | Lobe::RoughDielectric { roughness, .. } => {
+                roughness.alpha.x != roughness.alpha.y
+            }
+            Lobe::Principled(principled) => principled.anisotropic != 0.0,
+            Lobe::PrincipledThin(principled) => principled.anisotropic != 0.0,
+        }
+    }
+
     /// Whether no light passes, so that there is only what the front reflects, and the back if it has two sides.
     #[inline]
     fn is_opaque(&self) -> bool {

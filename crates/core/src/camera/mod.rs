@@ -19,6 +19,13 @@ pub struct CameraDescription {
     pub crop: Option<Crop>,
 }
 
+impl CameraDescription {
+    /// Pixels of the image: of the crop, if there is one.
+    pub fn image_size(&self) -> UVec2 {
+        self.crop.map_or(self.resolution, |crop| crop.size)
+    }
+}
+
 /// A rectangle of pixels of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {

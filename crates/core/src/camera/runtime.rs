@@ -1,6 +1,6 @@
 //! The camera, ready to render.
 
-use super::{CameraDescription, Projection};
+use super::{CameraDescription, Crop, Projection};
 use crate::{ray::Ray, warp::sample_disk};
 use glam::{DMat3, DVec3, UVec2, Vec2, Vec3};
 use std::f64::consts::PI;
@@ -12,6 +12,16 @@ pub enum CameraError {
     /// The film has no pixels.
     #[error("the camera's resolution is {} x {}", .0.x, .0.y)]
     Resolution(UVec2),
+    /// The crop is empty or reaches beyond the film.
+    #[error("the camera's crop of {} x {} at ({}, {}) is no part of its film of {} x {}", .size.x, .size.y, .offset.x, .offset.y, .resolution.x, .resolution.y)]
+    Crop {
+        /// First column and row.
+        offset: UVec2,
+        /// Columns and rows.
+        size: UVec2,
+        /// Pixels of the film.
+        resolution: UVec2,
+    },
     /// The field of view is not between 0 and pi.
     #[error("the camera's horizontal field of view is {0} radians, not between 0 and pi")]
     FieldOfView(f64),
@@ -34,7 +44,10 @@ pub enum CameraError {
 /// bounded by the film: what lies just outside matters to filters wider than a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
+    /// Pixels of the image: of the crop, if there is one.
     resolution: UVec2,
+    /// The middle of the whole film, in pixels of the image.
+    middle: Vec2,
     position: Vec3,
     /// Unit axes of the camera's space in the world: to the left of the image, up, and forwards.
     left: Vec3,
@@ -79,9 +92,14 @@ impl Camera {
     /// # Errors
     /// See [`CameraError`].
     pub fn new(description: &CameraDescription, recentre: DVec3) -> Result<Camera, CameraError> {
-        let CameraDescription { projection, to_world, resolution, crop: _ } = *description;
+        let CameraDescription { projection, to_world, resolution, crop } = *description;
         if resolution.x == 0 || resolution.y == 0 {
             return Err(CameraError::Resolution(resolution));
+        }
+        let Crop { offset, size } = crop.unwrap_or(Crop { offset: UVec2::ZERO, size: resolution });
+        let fits = |offset: u32, size: u32, whole: u32| size > 0 && offset <= whole && size <= whole - offset;
+        if !fits(offset.x, size.x, resolution.x) || !fits(offset.y, size.y, resolution.y) {
+            return Err(CameraError::Crop { offset, size, resolution });
         }
         let axes = unit_axes(to_world.matrix3)?;
         let position = to_world.translation - recentre;
@@ -108,7 +126,8 @@ impl Camera {
             Projection::Orthographic { .. } => Lens::Parallel,
         };
         Ok(Camera {
-            resolution,
+            resolution: size,
+            middle: 0.5 * resolution.as_vec2() - offset.as_vec2(),
             position: position.as_vec3(),
             left: axes.x_axis.as_vec3(),
             up: axes.y_axis.as_vec3(),
@@ -118,7 +137,7 @@ impl Camera {
         })
     }
 
-    /// Pixels.
+    /// Pixels of the image.
     #[inline]
     pub fn resolution(&self) -> UVec2 {
         self.resolution
@@ -217,8 +236,7 @@ impl Camera {
             }
         };
         let scale = self.pixels_per_metre as f32;
-        let middle = 0.5 * self.resolution.as_vec2();
-        let film = middle - Vec2::new(offset.dot(self.left), offset.dot(self.up)) * scale;
+        let film = self.middle - Vec2::new(offset.dot(self.left), offset.dot(self.up)) * scale;
         film.is_finite().then_some(film)
     }
 
@@ -259,7 +277,7 @@ impl Camera {
     /// From the middle of the image to a film position: at distance 1 where there is a field of view.
     #[inline]
     fn offset(&self, film: Vec2) -> Vec3 {
-        let q = (0.5 * self.resolution.as_vec2() - film) * (1.0 / self.pixels_per_metre) as f32;
+        let q = (self.middle - film) * (1.0 / self.pixels_per_metre) as f32;
         self.left * q.x + self.up * q.y
     }
 

@@ -17,6 +17,7 @@ use crate::{
     lights::{AreaLight, AreaShape, BoundingSphere, LightChoice, Lights},
     material::Material,
     ray::Ray,
+    relief::Relief,
     rgb::Rgb,
     texture::{Texture, TexturePoint},
 };
@@ -32,6 +33,8 @@ struct ShapeInfo {
     material: u32,
     /// Number of its first light element, or [`NO_LIGHT`].
     first_element: u32,
+    /// What its inside absorbs a metre, if it bounds anything that absorbs.
+    absorption: Option<Rgb>,
 }
 
 /// A material as it is hit.
@@ -40,6 +43,7 @@ struct PlacedMaterial {
     /// The scattering where no texture is involved.
     constant: Bsdf,
     textured: Option<Material>,
+    relief: Option<Relief>,
 }
 
 /// A validated scene, immutable. Rendering it cannot fail.
@@ -111,6 +115,10 @@ impl Scene {
             .map(|m| PlacedMaterial {
                 constant: m.material.bsdf(&TexturePoint { uv: Vec2::ZERO, color: Rgb::WHITE }, m.two_sided),
                 textured: m.material.is_textured().then(|| m.material.clone()),
+                relief: match &m.material {
+                    Material::Relief { relief, .. } => Some(relief.clone()),
+                    _ => None,
+                },
             })
             .collect();
         let objects = description.objects.iter().chain(description.groups.iter().flat_map(|g| &g.objects));
@@ -214,6 +222,37 @@ impl Scene {
         }
     }
 
+    /// Changes the shading normal where the material has a relief.
+    #[inline]
+    pub fn relieve<const HAS: u32>(&self, surface: &mut Surface) {
+        if HAS & has::TEXTURES != 0
+            && let Some(relief) = &self.materials[self.shapes[surface.shape as usize].material as usize].relief
+        {
+            relief.apply(surface);
+        }
+    }
+
+    /// What a ray is in that leaves a surface in the direction `wi`, and came from the direction `wo` through `medium`: the
+    /// share of light that is absorbed a metre.
+    ///
+    /// A surface that bounds an absorbing inside has nothing that absorbs outside; any other changes nothing.
+    #[inline]
+    pub fn medium_towards<const HAS: u32>(&self, surface: &Surface, wo: Vec3, wi: Vec3, medium: Rgb) -> Rgb {
+        if HAS & has::MEDIA == 0 || (wo.dot(surface.ng) < 0.0) == (wi.dot(surface.ng) < 0.0) {
+            return medium;
+        }
+        match self.shapes[surface.shape as usize].absorption {
+            Some(absorption) => {
+                if wi.dot(surface.ng) < 0.0 {
+                    absorption
+                } else {
+                    Rgb::BLACK
+                }
+            }
+            None => medium,
+        }
+    }
+
     /// The light element that the surface is part of, if it emits.
     #[inline]
     pub fn element(&self, surface: &Surface) -> Option<u32> {
@@ -285,9 +324,13 @@ fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>
                 Shape::Disk(disk) => push(AreaShape::Disk(*disk)),
             }
         }
-        infos.push(ShapeInfo { material: object.material as u32, first_element });
+        infos.push(ShapeInfo { material: object.material as u32, first_element, absorption: object.absorption });
     }
     let grouped = description.groups.iter().flat_map(|g| &g.objects);
-    infos.extend(grouped.map(|o| ShapeInfo { material: o.material as u32, first_element: NO_LIGHT }));
+    infos.extend(grouped.map(|o| ShapeInfo {
+        material: o.material as u32,
+        first_element: NO_LIGHT,
+        absorption: o.absorption,
+    }));
     (infos, area)
 }

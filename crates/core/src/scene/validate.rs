@@ -8,7 +8,8 @@ use super::{
 use crate::{
     bsdf::ConductorFresnel,
     lights::Lights,
-    material::{Material, Relief, RoughnessTexture},
+    material::{Material, RoughnessTexture},
+    relief::Relief,
     rgb::Rgb,
     texture::{Texel, Texture},
 };
