@@ -90,7 +90,7 @@ impl Spectrum {
             let (left, low) = self.0[above - 1];
             let value = low + (high - low) * (wavelength - left) / (right - left);
             let (i, t) = place(wavelength);
-            let weight = value * light(wavelength) * (last - cie::FIRST) / (STEPS as f64 * INTEGRAL_Y);
+            let weight = value * light(wavelength) * (last - cie::FIRST) / ((STEPS - 1) as f64 * INTEGRAL_Y);
             for (c, sum) in xyz.iter_mut().enumerate() {
                 *sum += weight * (cie::OBSERVER[i][c] * (1.0 - t) + cie::OBSERVER[i + 1][c] * t);
             }
