@@ -21,6 +21,7 @@ mod normals;
 pub mod obj;
 mod placement;
 pub mod ply;
+pub mod serialized;
 
 /// The README's examples, compiled and run as they stand.
 #[cfg(doctest)]

@@ -1,0 +1,3 @@
+//! Tests of the readers of other programs' formats, each with files that the test writes itself.
+
+mod serialized;
