@@ -22,6 +22,7 @@ pub mod obj;
 mod placement;
 pub mod ply;
 pub mod serialized;
+pub mod sun_sky;
 
 /// The README's examples, compiled and run as they stand.
 #[cfg(doctest)]
