@@ -21,7 +21,9 @@ mod normals;
 pub mod obj;
 mod placement;
 pub mod ply;
+pub mod serialized;
 mod spectrum;
+pub mod sun_sky;
 
 /// The README's examples, compiled and run as they stand.
 #[cfg(doctest)]

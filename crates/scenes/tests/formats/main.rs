@@ -1,0 +1,4 @@
+//! Tests of the readers of other programs' formats, each with files that the test writes itself.
+
+mod serialized;
+mod sun_sky;
