@@ -128,7 +128,8 @@ fn colours(bytes: &[u8], channels: usize, table: &[f32; 256]) -> Vec<Rgb> {
 
 /// A component of sRGB, from 0 to 1, as linear light [IEC 61966-2-1].
 pub(crate) fn from_srgb(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    let v = f64::from(v);
+    (if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }) as f32
 }
 
 impl Coding {

@@ -6,15 +6,15 @@ use super::{
     value::{self, snake_case},
 };
 use crate::{
-    error::{LoadError, read_file},
+    error::{Flaw, LoadError, read_file},
     image_file::{self, Coding},
-    obj, ply,
+    obj, ply, serialized,
 };
 use etendue_core::{geometry::Mesh, rgb::Rgb, texture::Bitmap};
 use rayon::prelude::*;
 use std::{
     cell::RefCell,
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -24,6 +24,18 @@ use std::{
 pub(super) enum MeshFile {
     Obj,
     Ply,
+    /// One of the shapes in it, counted from 0.
+    Serialized(usize),
+}
+
+impl MeshFile {
+    fn parse(self, bytes: &[u8]) -> Result<Mesh, Flaw> {
+        match self {
+            MeshFile::Obj => obj::read(bytes),
+            MeshFile::Ply => ply::read(bytes),
+            MeshFile::Serialized(index) => serialized::read(bytes, index),
+        }
+    }
 }
 
 /// An image and how it is decoded.
@@ -64,46 +76,59 @@ pub(super) struct Ahead {
 }
 
 enum Task {
-    Mesh(MeshFile, PathBuf, usize),
+    /// What is in a file, with the number of times that each will be asked for.
+    Meshes(PathBuf, Vec<(MeshFile, usize)>),
     Image(ImageFile),
 }
 
 enum Done {
-    Mesh(MeshFile, PathBuf, usize, Mesh),
+    Meshes(PathBuf, Vec<(MeshFile, usize, Mesh)>),
     Image(ImageFile, Bitmap<Rgb>),
 }
+
+/// The largest file of meshes that is read.
+const LARGEST_MESH: u64 = {
+    assert!(obj::LARGEST_FILE == ply::LARGEST_FILE && ply::LARGEST_FILE == serialized::LARGEST_FILE);
+    ply::LARGEST_FILE
+};
 
 impl Ahead {
     /// Reads the files that the tree's shapes, textures and emitters name.
     pub(super) fn read(tree: &Tree, folders: &Folders) -> Ahead {
-        let mut meshes: HashMap<(MeshFile, PathBuf), usize> = HashMap::new();
-        let mut images: HashMap<ImageFile, ()> = HashMap::new();
+        let mut meshes: HashMap<PathBuf, HashMap<MeshFile, usize>> = HashMap::new();
+        let mut images: HashSet<ImageFile> = HashSet::new();
         for node in tree.nodes() {
             let find = || folders.find(parameter(node, "filename")?).ok();
-            match (node.tag(), node.attribute("type").unwrap_or_default()) {
-                ("shape", "obj") => {
-                    find().into_iter().for_each(|p| *meshes.entry((MeshFile::Obj, p)).or_default() += 1)
+            let mut mesh = |kind| {
+                if let Some(path) = find() {
+                    *meshes.entry(path).or_default().entry(kind).or_default() += 1;
                 }
-                ("shape", "ply") => {
-                    find().into_iter().for_each(|p| *meshes.entry((MeshFile::Ply, p)).or_default() += 1)
+            };
+            match (node.tag(), node.attribute("type").unwrap_or_default()) {
+                ("shape", "obj") => mesh(MeshFile::Obj),
+                ("shape", "ply") => mesh(MeshFile::Ply),
+                ("shape", "serialized") => {
+                    let index = parameter(node, "shape_index").map_or(Some(0), |t| t.trim().parse().ok());
+                    index.into_iter().for_each(|index| mesh(MeshFile::Serialized(index)));
                 }
                 ("texture", "bitmap") => {
-                    images.extend(find().zip(coding(node)).map(|(path, coding)| (ImageFile::new(path, coding), ())));
+                    images.extend(find().zip(coding(node)).map(|(path, coding)| ImageFile::new(path, coding)));
                 }
-                ("emitter", "envmap") => images.extend(find().map(|path| (ImageFile::new(path, Coding::Srgb), ()))),
+                ("emitter", "envmap") => images.extend(find().map(|path| ImageFile::new(path, Coding::Srgb))),
                 _ => {}
             }
         }
-        let tasks = meshes.into_iter().map(|((kind, path), uses)| Task::Mesh(kind, path, uses));
-        let mut tasks: Vec<Task> = tasks.chain(images.into_keys().map(Task::Image)).collect();
+        let tasks = meshes.into_iter().map(|(path, kinds)| Task::Meshes(path, kinds.into_iter().collect()));
+        let mut tasks: Vec<Task> = tasks.chain(images.into_iter().map(Task::Image)).collect();
         // The longest first, so that no processor is left with one at the end.
         tasks.sort_by_cached_key(|task| std::cmp::Reverse(task.effort()));
         let done: Vec<Option<Done>> = tasks.into_par_iter().with_max_len(1).map(Task::run).collect();
         let ahead = Ahead::default();
         for done in done.into_iter().flatten() {
             match done {
-                Done::Mesh(kind, path, uses, mesh) => {
-                    ahead.meshes.borrow_mut().insert((kind, path), (mesh, uses));
+                Done::Meshes(path, meshes) => {
+                    let meshes = meshes.into_iter().map(|(kind, uses, mesh)| ((kind, path.clone()), (mesh, uses)));
+                    ahead.meshes.borrow_mut().extend(meshes);
                 }
                 Done::Image(file, bitmap) => {
                     ahead.images.borrow_mut().insert(file, Arc::new(bitmap));
@@ -123,7 +148,7 @@ impl Ahead {
                 Ok(mesh.clone())
             }
             Some(_) => Ok(meshes.remove(&key).map(|(mesh, _)| mesh).unwrap_or_default()),
-            None => read_mesh(kind, &key.1),
+            None => kind.parse(&read_file(&key.1, LARGEST_MESH)?).map_err(|flaw| flaw.of(&key.1)),
         }
     }
 
@@ -143,17 +168,19 @@ impl Task {
     fn effort(&self) -> u64 {
         let size = |path: &Path| std::fs::metadata(path).map_or(0, |m| m.len());
         match self {
-            Task::Mesh(MeshFile::Ply, path, _) => size(path),
-            Task::Mesh(MeshFile::Obj, path, _) => 4 * size(path),
+            Task::Meshes(path, kinds) if kinds.iter().any(|(kind, _)| *kind == MeshFile::Obj) => 4 * size(path),
+            Task::Meshes(path, _) => size(path),
             Task::Image(file) => 10 * size(&file.path),
         }
     }
 
     fn run(self) -> Option<Done> {
         match self {
-            Task::Mesh(kind, path, uses) => {
-                let mesh = read_mesh(kind, &path).ok()?;
-                Some(Done::Mesh(kind, path, uses, mesh))
+            Task::Meshes(path, kinds) => {
+                let bytes = read_file(&path, LARGEST_MESH).ok()?;
+                let read = |(kind, uses): (MeshFile, usize)| Some((kind, uses, kind.parse(&bytes).ok()?));
+                let meshes = kinds.into_par_iter().filter_map(read).collect();
+                Some(Done::Meshes(path, meshes))
             }
             Task::Image(file) => {
                 let bitmap = file.read().ok()?;
@@ -161,14 +188,6 @@ impl Task {
             }
         }
     }
-}
-
-fn read_mesh(kind: MeshFile, path: &Path) -> Result<Mesh, LoadError> {
-    let read = match kind {
-        MeshFile::Obj => obj::read(&read_file(path, obj::LARGEST_FILE)?),
-        MeshFile::Ply => ply::read(&read_file(path, ply::LARGEST_FILE)?),
-    };
-    read.map_err(|flaw| flaw.of(path))
 }
 
 /// The text of a parameter.

@@ -22,6 +22,8 @@ pub(super) struct Reader<'d> {
     by_id: HashMap<&'d str, Node<'d>>,
     folders: &'d Folders,
     lenient: bool,
+    /// Whether the file is of a version before 1.
+    pub(super) older: bool,
     notes: RefCell<Notes>,
     /// The meshes and images that the scene names.
     pub(super) ahead: Ahead,
@@ -55,9 +57,10 @@ impl<'d> Reader<'d> {
                 identify(&mut by_id, node, id, node)?;
             }
         }
+        let older = tree.node(0).attribute("version").is_some_and(|v| v.trim().starts_with("0."));
         let ahead = Ahead::read(tree, folders);
         let notes = RefCell::new(Notes::default());
-        Ok(Reader { by_id, folders, lenient: options.lenient, notes, ahead, images: Images::default() })
+        Ok(Reader { by_id, folders, lenient: options.lenient, older, notes, ahead, images: Images::default() })
     }
 
     /// The element that a `<ref>` names.

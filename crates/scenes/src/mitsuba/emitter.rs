@@ -3,6 +3,7 @@
 use super::{
     Import,
     ahead::ImageFile,
+    daylight::daylight,
     document::Reader,
     plugin::{Meaning, Plugin},
     sensor::fov_x,
@@ -20,7 +21,7 @@ use glam::{DMat3, DVec3};
 use std::{f32::consts::PI, sync::Arc};
 
 /// Emitters that stand in the scene by themselves.
-const KINDS: [&str; 6] = ["constant", "envmap", "point", "spot", "projector", "directional"];
+const KINDS: [&str; 9] = ["constant", "envmap", "sunsky", "sun", "sky", "point", "spot", "projector", "directional"];
 
 /// The radiance of an `area` emitter, which stands in a shape.
 pub(super) fn area_radiance<'d>(reader: &Reader<'d>, node: Node<'d>) -> Result<Texture<Rgb>, LoadError> {
@@ -49,6 +50,10 @@ impl<'d> Import<'_, 'd> {
             }
             "envmap" => {
                 let environment = image(&plugin)?;
+                self.environment(&plugin, environment)?;
+            }
+            "sunsky" | "sun" | "sky" => {
+                let environment = daylight(&plugin)?;
                 self.environment(&plugin, environment)?;
             }
             "point" => self.light(&plugin, point(&plugin)?),

@@ -1,7 +1,7 @@
 //! Where the files that a scene names are looked for.
 
 use super::value::abridged;
-use crate::error::{Flaw, LoadError, Place};
+use crate::error::LoadError;
 use std::path::{Component, Path, PathBuf};
 
 /// The folders in which files are looked for.
@@ -21,10 +21,7 @@ impl Folders {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
         };
-        let scene = folder.canonicalize().map_err(|source| LoadError::Read { path: folder.to_owned(), source })?;
-        if path.is_dir() {
-            return Err(Flaw::new(Place::Whole, "is a folder").of(path));
-        }
+        let scene = folder.canonicalize().map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
         Ok(Folders { search: vec![scene.clone()], scene, outside })
     }
 

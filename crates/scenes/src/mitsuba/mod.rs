@@ -10,6 +10,7 @@
 
 mod ahead;
 mod bsdf;
+mod daylight;
 mod document;
 mod emitter;
 mod files;

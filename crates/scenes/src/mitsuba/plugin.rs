@@ -337,7 +337,9 @@ impl<'r, 'd> Plugin<'r, 'd> {
 
     /// The nested element of a kind that stands there for `name`.
     pub(super) fn nested_as(&self, tag: &str, name: &'static str) -> Option<Node<'d>> {
-        self.asked.borrow_mut().push(name);
+        if tag != "medium" {
+            self.asked.borrow_mut().push(name);
+        }
         let found = self.nested.iter().find(|n| n.node.tag() == tag && n.name.as_deref() == Some(name))?;
         found.used.set(true);
         Some(found.node)

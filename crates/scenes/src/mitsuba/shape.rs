@@ -8,7 +8,8 @@ use etendue_core::{
 };
 use glam::{DAffine3, DVec3, Vec3};
 
-const KINDS: [&str; 9] = ["rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "shapegroup", "instance"];
+const KINDS: [&str; 10] =
+    ["rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance"];
 
 impl<'d> Import<'_, 'd> {
     /// Adds a shape of the scene.
@@ -109,6 +110,10 @@ impl<'d> Import<'_, 'd> {
             }
             "obj" => ObjectShape::Mesh(mesh(plugin, MeshFile::Obj, flip)?),
             "ply" => ObjectShape::Mesh(mesh(plugin, MeshFile::Ply, flip)?),
+            "serialized" => {
+                let index = plugin.integer("shape_index", 0..=i64::from(u32::MAX))?.unwrap_or(0);
+                ObjectShape::Mesh(mesh(plugin, MeshFile::Serialized(index as usize), flip)?)
+            }
             _ => return Err(plugin.unknown_kind(&KINDS)),
         };
         let emitter = plugin.single("emitter")?;

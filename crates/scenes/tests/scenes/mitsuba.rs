@@ -84,8 +84,8 @@ fn materials_take_their_parameters() {
                 <string name=\"distribution\" value=\"GGX\"/><float name=\"specularReflectance\" value=\"0.3\"/></bsdf>";
     let Material::Conductor { fresnel, tint, roughness: Some(roughness) } = material(gold) else { panic!() };
     let (eta, k) = (Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.5, 2.1));
-    assert_eq!(fresnel, ConductorFresnel::Complex { eta, k, tint: Rgb::splat(0.3) });
-    assert_eq!(tint, Texture::Constant(Rgb::WHITE));
+    assert_eq!(fresnel, ConductorFresnel::Complex { eta, k, tint: Rgb::WHITE });
+    assert_eq!(tint, Texture::Constant(Rgb::splat(0.3)));
     assert_eq!(roughness, rough(Distribution::Ggx, [0.05, 0.2]));
     let water = "<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"water\"/><float name=\"extIOR\" value=\"1\"/></bsdf>";
     assert_eq!(material(water), Material::dielectric(1.333, None));

@@ -33,7 +33,12 @@ pub(super) fn conductor(plugin: &Plugin) -> Result<ConductorFresnel, LoadError> 
 
 fn named(plugin: &Plugin, name: &str) -> Result<(Rgb, Rgb), LoadError> {
     spectrum::conductor(name).ok_or_else(|| {
-        let guess = suggestion(name, spectrum::conductor_names());
+        // The same letters come first: `cu` is nearer to Cu than to Au.
+        let mut same = spectrum::conductor_names().filter(|known| known.eq_ignore_ascii_case(name));
+        let guess = match same.next() {
+            Some(known) => suggestion(known, [known]),
+            None => suggestion(name, spectrum::conductor_names()),
+        };
         let message = format!(
             "the conductor `{}` is not known{guess}; give `eta` and `k`, the material `none` for a mirror, or one of {}",
             abridged(name),
