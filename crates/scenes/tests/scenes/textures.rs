@@ -192,7 +192,7 @@ fn textures_that_are_wrong() {
         (
             "<texture name=\"reflectance\" type=\"bitmap\"><string name=\"filename\" value=\"q.png\"/>\
              <string name=\"filter_type\" value=\"cubic\"/></texture>",
-            "scene.xml:3:121: the parameter `filter_type` is `cubic`, none of bilinear, nearest, trilinear, ewa",
+            "scene.xml:3:116: the parameter `filter_type` is `cubic`, none of bilinear, nearest, trilinear, ewa",
         ),
     ] {
         assert_eq!(inside(texture), expected);
