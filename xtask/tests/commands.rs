@@ -72,7 +72,7 @@ fn lists() {
 fn a_scene_is_described() {
     let folder = folder();
     let report = json(folder.path(), &["scene", "cornell"]);
-    assert_eq!((&report["scene"], &report["width"], &report["depth"]), (&"cornell".into(), &128.into(), &10.into()));
+    assert_eq!((&report["scene"], &report["width"], &report["depth"]), (&"cornell".into(), &128.into(), &12.into()));
     assert_eq!((&report["lights"]["area"], &report["lights"]["area_elements"]), (&1.into(), &2.into()));
     assert!(report["triangles"].as_u64().unwrap() > 0);
     for positive in ["/load/seconds", "/build/seconds", "/memory/geometry_bytes", "/memory/bytes_per_triangle"] {
