@@ -123,7 +123,8 @@ fn whole_numbers(bytes: &[u8], format: ImageFormat, coding: Coding) -> Result<Bi
 }
 
 fn colours(bytes: &[u8], channels: usize, table: &[f32; 256]) -> Vec<Rgb> {
-    bytes.chunks_exact(channels).map(|p| Rgb::from([0, 1, 2].map(|c| table[usize::from(p[c])]))).collect()
+    let value = |byte: u8| table[usize::from(byte)];
+    bytes.chunks_exact(channels).map(|p| Rgb::new(value(p[0]), value(p[1]), value(p[2]))).collect()
 }
 
 /// A component of sRGB, from 0 to 1, as linear light [IEC 61966-2-1].

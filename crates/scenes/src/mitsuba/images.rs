@@ -40,20 +40,15 @@ impl Images {
         if let Some(held) = T::held(self).borrow().get(&key) {
             return held.clone();
         }
-        let mut moved = 0;
-        let mut bounded = |texel: Rgb| {
-            let mut inside = true;
-            let value = T::of(texel).map(|v| {
-                inside &= (least..=most).contains(&v);
-                if v.is_nan() { least.max(0.0) } else { v.clamp(least, most) }
-            });
-            moved += usize::from(!inside);
-            value
-        };
-        let texels: Vec<T> = image.texels.iter().map(|t| bounded(*t)).collect();
+        let inside = |texel: &Rgb| T::of(*texel).all(|v| (least..=most).contains(&v));
+        let moved = image.texels.iter().filter(|t| !inside(t)).count();
+        let bounded = |v: f32| if v.is_nan() { least.max(0.0) } else { v.clamp(least, most) };
         let bitmap = match T::shared(image).filter(|_| moved == 0) {
             Some(shared) => shared,
-            None => Arc::new(Bitmap { width: image.width, height: image.height, texels }),
+            None => {
+                let texels = image.texels.iter().map(|t| T::of(*t).map(bounded)).collect();
+                Arc::new(Bitmap { width: image.width, height: image.height, texels })
+            }
         };
         if moved > 0 {
             let (path, all) = (file.path.display(), image.texels.len());

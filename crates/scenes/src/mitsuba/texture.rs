@@ -55,7 +55,9 @@ pub(super) trait Value: Texel + PartialEq {
     /// A constant parameter.
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Self>, LoadError>;
     /// The components, each of which the domain bounds, changed.
-    fn map(self, f: impl FnMut(f32) -> f32) -> Self;
+    fn map(self, f: impl Fn(f32) -> f32) -> Self;
+    /// Whether something holds of each component.
+    fn all(self, f: impl Fn(f32) -> bool) -> bool;
     /// A texel of an image; a number is the luminance.
     fn of(texel: Rgb) -> Self;
     /// Those of its images that are held.
@@ -69,8 +71,12 @@ impl Value for Rgb {
         if domain == REFLECTANCE { plugin.reflectance(name) } else { plugin.colour(name, domain.meaning) }
     }
 
-    fn map(self, f: impl FnMut(f32) -> f32) -> Rgb {
-        Rgb::from(self.to_array().map(f))
+    fn map(self, f: impl Fn(f32) -> f32) -> Rgb {
+        Rgb::new(f(self.r), f(self.g), f(self.b))
+    }
+
+    fn all(self, f: impl Fn(f32) -> bool) -> bool {
+        f(self.r) && f(self.g) && f(self.b)
     }
 
     fn of(texel: Rgb) -> Rgb {
@@ -102,7 +108,11 @@ impl Value for f32 {
         Ok(Some((value as f32).max(domain.least)))
     }
 
-    fn map(self, mut f: impl FnMut(f32) -> f32) -> f32 {
+    fn map(self, f: impl Fn(f32) -> f32) -> f32 {
+        f(self)
+    }
+
+    fn all(self, f: impl Fn(f32) -> bool) -> bool {
         f(self)
     }
 
