@@ -8,13 +8,14 @@
 //!
 //! A scene is asked for by the name of a built-in one, with parameters after a colon, or by the path of a file.
 //! [`builtins`] lists the built-in scenes and their parameters as data. Files are scenes in Mitsuba 3's XML with the
-//! meshes (PLY, OBJ) and images (OpenEXR) that they name; what an importer does not know is an error that names the
-//! file, the line and the column, and never silently left out.
+//! meshes (PLY, OBJ) and images (OpenEXR) that they name, or in glTF 2.0 (see [`gltf`]); what an importer does not know is
+//! an error that says where, and never silently left out.
 #![deny(unsafe_code)]
 
 pub mod builtin;
 mod cube;
 mod error;
+pub mod gltf;
 pub mod image_file;
 pub mod mitsuba;
 mod normals;
@@ -54,7 +55,8 @@ pub struct LoadedScene {
     pub exact: Option<Furnace>,
 }
 
-/// Loads a built-in scene (`cornell`, `many-lights:n=4096,seed=7`) or a scene file (`path/to/scene.xml`).
+/// Loads a built-in scene (`cornell`, `many-lights:n=4096,seed=7`) or a scene file (`path/to/scene.xml`, `scene.gltf`,
+/// `scene.glb`).
 ///
 /// # Errors
 ///
@@ -68,7 +70,8 @@ pub fn load(spec: &str) -> Result<LoadedScene, LoadError> {
     let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
     match extension {
         Some(extension) if extension.eq_ignore_ascii_case("xml") => mitsuba::load(path),
-        _ if path.is_dir() => Err(Flaw::new(Place::Whole, "is a folder; a scene is a .xml file").of(path)),
+        Some(extension) if ["gltf", "glb"].iter().any(|e| extension.eq_ignore_ascii_case(e)) => gltf::load(path),
+        _ if path.is_dir() => Err(Flaw::new(Place::Whole, "is a folder; a scene is a file").of(path)),
         Some(extension) if path.exists() || spec.contains(['/', '\\']) => {
             Err(LoadError::UnsupportedFormat { path: path.to_owned(), extension: format!(".{extension}") })
         }
