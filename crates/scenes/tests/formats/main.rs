@@ -2,4 +2,5 @@
 
 mod gltf;
 mod serialized;
+mod serialized_writer;
 mod sun_sky;
