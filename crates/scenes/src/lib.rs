@@ -8,13 +8,14 @@
 //!
 //! A scene is asked for by the name of a built-in one, with parameters after a colon, or by the path of a file.
 //! [`builtins`] lists the built-in scenes and their parameters as data. Files are scenes in Mitsuba 3's XML with the
-//! meshes (PLY, OBJ) and images (OpenEXR) that they name; what an importer does not know is an error that names the
-//! file, the line and the column, and never silently left out.
+//! meshes (PLY, OBJ) and images (OpenEXR) that they name, or in glTF 2.0 (see [`gltf`]); what an importer does not know is
+//! an error that says where, and never silently left out.
 #![deny(unsafe_code)]
 
 pub mod builtin;
 mod cube;
 mod error;
+pub mod gltf;
 pub mod image_file;
 pub mod mitsuba;
 mod normals;
@@ -65,8 +66,8 @@ pub struct LoadOptions {
     pub outside_folder: bool,
 }
 
-/// Loads a built-in scene (`cornell`, `many-lights:n=4096,seed=7`) or a scene file (`path/to/scene.xml`) that is wholly
-/// supported and whose files lie in its folder.
+/// Loads a built-in scene (`cornell`, `many-lights:n=4096,seed=7`) or a scene file (`path/to/scene.xml`, `scene.gltf`,
+/// `scene.glb`) that is wholly supported and whose files lie in its folder.
 ///
 /// # Errors
 ///
@@ -89,7 +90,8 @@ pub fn load_with(spec: &str, options: LoadOptions) -> Result<LoadedScene, LoadEr
     let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
     match extension {
         Some(extension) if extension.eq_ignore_ascii_case("xml") => mitsuba::load(path, options),
-        _ if path.is_dir() => Err(Flaw::new(Place::Whole, "is a folder; a scene is a .xml file").of(path)),
+        Some(extension) if ["gltf", "glb"].iter().any(|e| extension.eq_ignore_ascii_case(e)) => gltf::load(path),
+        _ if path.is_dir() => Err(Flaw::new(Place::Whole, "is a folder; a scene is a file").of(path)),
         Some(extension) if path.exists() || spec.contains(['/', '\\']) => {
             Err(LoadError::UnsupportedFormat { path: path.to_owned(), extension: format!(".{extension}") })
         }

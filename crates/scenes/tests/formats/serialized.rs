@@ -1,29 +1,11 @@
 //! Containers of meshes: both versions, both precisions, several shapes; what is damaged is refused.
 
+use crate::serialized_writer::{LAYOUTS, container, contents, file, shape};
 use etendue_core::{geometry::Mesh, rgb::Rgb};
 use etendue_scenes::{Flaw, Place, serialized::read};
-use flate2::{Compression, write::ZlibEncoder};
 use glam::{Vec2, Vec3};
-use std::io::Write;
 
-const NORMALS: u32 = 1;
-const UVS: u32 = 2;
-const COLORS: u32 = 8;
 const FACE_NORMALS: u32 = 16;
-
-/// How a shape is written.
-#[derive(Clone, Copy)]
-struct Layout {
-    version: u16,
-    double: bool,
-}
-
-const LAYOUTS: [Layout; 4] = [
-    Layout { version: 3, double: false },
-    Layout { version: 3, double: true },
-    Layout { version: 4, double: false },
-    Layout { version: 4, double: true },
-];
 
 fn pyramid() -> Mesh {
     let positions =
@@ -39,61 +21,6 @@ fn pyramid() -> Mesh {
 
 fn triangle() -> Mesh {
     Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], triangles: vec![[0, 1, 2]], ..Mesh::default() }
-}
-
-/// What is deflated of a shape.
-fn contents(mesh: &Mesh, layout: Layout, extra_flags: u32) -> Vec<u8> {
-    let has = |flag: u32, empty: bool| if empty { 0 } else { flag };
-    let precision = if layout.double { 0x2000 } else { 0x1000 };
-    let flags =
-        has(NORMALS, mesh.normals.is_empty()) | has(UVS, mesh.uvs.is_empty()) | has(COLORS, mesh.colors.is_empty());
-    let mut out = (flags | precision | extra_flags).to_le_bytes().to_vec();
-    if layout.version == 4 {
-        out.extend(b"a shape\0");
-    }
-    out.extend((mesh.positions.len() as u64).to_le_bytes());
-    out.extend((mesh.triangles.len() as u64).to_le_bytes());
-    let vectors = [&mesh.positions, &mesh.normals].into_iter().flatten().flat_map(|v| v.to_array());
-    let uvs = mesh.uvs.iter().flat_map(|v| v.to_array());
-    for number in vectors.chain(uvs).chain(mesh.colors.iter().flat_map(|c| c.to_array())) {
-        match layout.double {
-            true => out.extend(f64::from(number).to_le_bytes()),
-            false => out.extend(number.to_le_bytes()),
-        }
-    }
-    out.extend(mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()));
-    out
-}
-
-fn shape(contents: &[u8], version: u16) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(contents).unwrap();
-    let mut out = 0x041Cu16.to_le_bytes().to_vec();
-    out.extend(version.to_le_bytes());
-    out.extend(encoder.finish().unwrap());
-    out
-}
-
-fn container(shapes: &[Vec<u8>], version: u16) -> Vec<u8> {
-    let mut out = Vec::new();
-    let mut offsets = Vec::new();
-    for shape in shapes {
-        offsets.push(out.len());
-        out.extend(shape);
-    }
-    for offset in offsets {
-        match version {
-            3 => out.extend((offset as u32).to_le_bytes()),
-            _ => out.extend((offset as u64).to_le_bytes()),
-        }
-    }
-    out.extend((shapes.len() as u32).to_le_bytes());
-    out
-}
-
-fn file(meshes: &[Mesh], layout: Layout) -> Vec<u8> {
-    let shapes: Vec<_> = meshes.iter().map(|m| shape(&contents(m, layout, 0), layout.version)).collect();
-    container(&shapes, layout.version)
 }
 
 fn assert_same(a: &Mesh, b: &Mesh) {

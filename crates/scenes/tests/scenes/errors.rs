@@ -14,7 +14,7 @@ fn names_and_parameters() {
         (
             "cornel",
             "unknown scene `cornel` (did you mean `cornell`?); built-in scenes are cornell, furnace, veach-mis, \
-             glass-caustic, ring, ajar-door, many-lights, sky, and a path to a .xml file is a scene too",
+             glass-caustic, ring, ajar-door, many-lights, sky, and a path to a .xml, .gltf or .glb file is a scene too",
         ),
         ("many-lights:m=3", "scene `many-lights` has no parameter `m`; it has n, seed"),
         ("many-lights:sed=3", "scene `many-lights` has no parameter `sed` (did you mean `seed`?); it has n, seed"),
@@ -25,8 +25,11 @@ fn names_and_parameters() {
         ("furnace:reflectance=1", "scene `furnace`: parameter reflectance: `1` is not a number from 0 to 0.999"),
         ("furnace:reflectance=nan", "scene `furnace`: parameter reflectance: `nan` is not a number from 0 to 0.999"),
         ("furnace:room=tent", "scene `furnace`: parameter room: `tent` is not one of box, sphere"),
-        ("a.gltf/b", "a.gltf/b: scenes are read from Mitsuba's .xml files; `no extension` is not supported"),
-        ("some/scene.pbrt", "some/scene.pbrt: scenes are read from Mitsuba's .xml files; `.pbrt` is not supported"),
+        ("a.gltf/b", "a.gltf/b: scenes are read from .xml, .gltf and .glb files; `no extension` is not supported"),
+        (
+            "some/scene.pbrt",
+            "some/scene.pbrt: scenes are read from .xml, .gltf and .glb files; `.pbrt` is not supported",
+        ),
     ] {
         assert_eq!(message(spec), expected);
     }
