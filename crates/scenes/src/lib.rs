@@ -7,9 +7,9 @@
 //! ```
 //!
 //! A scene is asked for by the name of a built-in one, with parameters after a colon, or by the path of a file.
-//! [`builtins`] lists the built-in scenes and their parameters as data. Files are scenes in Mitsuba 3's XML with the
-//! meshes (PLY, OBJ) and images (OpenEXR) that they name, or in glTF 2.0 (see [`gltf`]); what an importer does not know is
-//! an error that says where, and never silently left out.
+//! [`builtins`] lists the built-in scenes and their parameters as data. Files are scenes in Mitsuba's XML (see [`mitsuba`])
+//! or in glTF 2.0 (see [`gltf`]) with the meshes and images that they name; what an importer does not know is an error
+//! that says where, or, if [`LoadOptions`] ask for it, a note that says what was left out.
 #![deny(unsafe_code)]
 
 pub mod builtin;

@@ -173,13 +173,11 @@ fn settings_of_other_kinds_are_noted() {
         load(&format!("<integrator type=\"volpath\">{depth}<integer name=\"rrDepth\" value=\"9\"/></integrator>"), ""),
         (6, 9, 4, vec!["the integrator `volpath` is taken as path tracing to the same depth".to_owned()])
     );
-    let nested = format!(
-        "<integrator type=\"aov\"><string name=\"aovs\" value=\"dd:depth\"/><integrator type=\"moment\">\
-         <integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"3\"/></integrator></integrator></integrator>"
-    );
+    let nested = "<integrator type=\"aov\"><string name=\"aovs\" value=\"dd:depth\"/><integrator type=\"moment\">\
+         <integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"3\"/></integrator></integrator></integrator>";
     assert_eq!(
         load(
-            &nested,
+            nested,
             "<sampler type=\"sobol\"><integer name=\"sampleCount\" value=\"32\"/><integer name=\"scramble\" value=\"1\"/></sampler>"
         ),
         (
