@@ -69,7 +69,7 @@ impl Run {
     pub fn of(description: &SceneDescription, filter: Filter, max_depth: u32) -> Run {
         let scene = Scene::new(description).unwrap_or_else(|e| panic!("{}: {e}", description.name));
         Run {
-            resolution: description.camera.as_ref().expect("a scene has a camera").image_size(),
+            resolution: description.camera.as_ref().expect("a scene has a camera").film_size(),
             scene: Arc::new(scene),
             filter,
             settings: Settings::new(max_depth, independent),

@@ -2,6 +2,7 @@
 
 use crate::job::{Size, Wish};
 use clap::{Args, Parser, Subcommand};
+use etendue_scenes::LoadOptions;
 use std::path::PathBuf;
 
 /// What accuracy costs in time: renders, references, convergence studies and their reports.
@@ -26,6 +27,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Make the stored references.
     Reference(ReferenceArgs),
+    /// Describe a scene: what is in it, what it costs to load and to hold, which effects it has.
+    Scene(SceneArgs),
     /// List the built-in scenes and their parameters.
     #[command(after_help = "Examples:\n  cargo xtask scenes\n  cargo xtask scenes --json")]
     Scenes(ListArgs),
@@ -57,6 +60,43 @@ impl ImageArgs {
     }
 }
 
+/// How scene files are loaded.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub struct LoadArgs {
+    /// Leave out what is wrong or not supported in a scene file, or let something plain stand in for it, and list it
+    #[arg(long)]
+    pub lenient: bool,
+    /// Read files outside of the scene's folder where the scene names them
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl From<LoadArgs> for LoadOptions {
+    fn from(args: LoadArgs) -> LoadOptions {
+        LoadOptions { lenient: args.lenient, outside_folder: args.allow_outside }
+    }
+}
+
+/// Arguments of `scene`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask scene scene.xml
+  cargo xtask scene many-lights:n=4096 --json
+  cargo xtask scene old.xml --lenient        (and what was left out)")]
+pub struct SceneArgs {
+    /// A built-in scene with its parameters (`many-lights:n=4096`), or a file
+    pub scene: String,
+    /// How it is loaded.
+    #[command(flatten)]
+    pub load: LoadArgs,
+    /// Threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -76,6 +116,9 @@ pub struct RenderArgs {
     #[command(flatten)]
     /// The image.
     pub image: ImageArgs,
+    /// How the scene is loaded.
+    #[command(flatten)]
+    pub load: LoadArgs,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub seed: u64,
@@ -118,6 +161,7 @@ impl RenderArgs {
             parts: self.parts.clone(),
             size: self.image.size,
             depth: self.image.depth,
+            load: self.load.into(),
         }
     }
 }
@@ -191,6 +235,9 @@ pub struct StudyArgs {
     /// The image.
     #[command(flatten)]
     pub image: ImageArgs,
+    /// How the scenes are loaded.
+    #[command(flatten)]
+    pub load: LoadArgs,
     /// Seed from which those of the replicates are drawn
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub seed: u64,
@@ -229,6 +276,9 @@ pub struct ReferenceArgs {
     /// The image.
     #[command(flatten)]
     pub image: ImageArgs,
+    /// How the scenes are loaded.
+    #[command(flatten)]
+    pub load: LoadArgs,
     /// Seed; a study's own seeds never meet it
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub seed: u64,

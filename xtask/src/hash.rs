@@ -58,6 +58,11 @@ pub fn scene_hash(scene: &LoadedScene) -> String {
     let world = (&d.materials, &d.objects, &d.groups, &d.instances);
     write!(hash, "{camera:?}{world:?}{sources:?}{:?}{}", scene.filter, scene.roulette_depth)
         .expect("a hash takes any text");
+    // As shares of the film, so that the same part at another size is the same.
+    if let Some((camera, crop)) = d.camera.as_ref().and_then(|c| Some((c, c.crop?))) {
+        let share = |v: glam::UVec2| v.as_vec2() / camera.resolution.as_vec2();
+        write!(hash, "{}{}", share(crop.offset), share(crop.size)).expect("a hash takes any text");
+    }
     hash.hex()
 }
 

@@ -8,13 +8,13 @@ use crate::{
     techniques,
 };
 use etendue_core::{
-    camera::CameraDescription,
+    camera::{CameraDescription, Crop},
     film::Film,
     scene::Scene,
     statistics::render::RenderStatistics,
     technique::{Part, Parts, Settings, Technique, TechniqueInfo},
 };
-use etendue_scenes::LoadedScene;
+use etendue_scenes::{LoadOptions, LoadedScene};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, str::FromStr, sync::Arc};
@@ -66,6 +66,19 @@ impl Size {
                 UVec2::new(side(camera.x), side(camera.y))
             }
         }
+    }
+
+    /// Gives a camera's image this size; around a crop the film grows or shrinks with it.
+    fn apply(self, camera: &mut CameraDescription) {
+        let Some(crop) = &mut camera.crop else {
+            camera.resolution = self.of(camera.resolution);
+            return;
+        };
+        let size = self.of(crop.size);
+        let factor = size.as_dvec2() / crop.size.as_dvec2();
+        let scaled = |v: UVec2| (v.as_dvec2() * factor).round().as_uvec2();
+        *crop = Crop { offset: scaled(crop.offset), size };
+        camera.resolution = scaled(camera.resolution).max(crop.offset + crop.size);
     }
 }
 
@@ -129,6 +142,8 @@ pub struct Wish {
     pub size: Option<Size>,
     /// Longest path.
     pub depth: Option<u32>,
+    /// How a scene file is loaded.
+    pub load: LoadOptions,
 }
 
 /// A loaded scene with all that a render of it is told.
@@ -138,6 +153,8 @@ pub struct Job {
     pub key: ImageKey,
     /// The scene as loaded, at the size of the key.
     pub scene: LoadedScene,
+    /// How it was loaded.
+    pub load: LoadOptions,
     technique: &'static TechniqueInfo,
     knobs: Vec<f64>,
     sampler: &'static SamplerInfo,
@@ -154,14 +171,11 @@ impl Job {
         if wish.depth == Some(0) {
             return Err(Error::Input("--depth 0: a path has at least length 1, which is emission alone".into()));
         }
-        let mut scene = etendue_scenes::load(spec)?;
+        let mut scene = etendue_scenes::load_with(spec, wish.load)?;
         if let (Some(size), Some(camera)) = (wish.size, &mut scene.description.camera) {
-            if camera.crop.is_some() {
-                return Err(Error::Input(format!("{spec}: --size does not go with a film that is cropped")));
-            }
-            camera.resolution = size.of(camera.resolution);
+            size.apply(camera);
         }
-        let size = scene.description.camera.as_ref().map_or(UVec2::ZERO, CameraDescription::image_size);
+        let size = scene.description.camera.as_ref().map_or(UVec2::ZERO, CameraDescription::film_size);
         let pixels = u64::from(size.x) * u64::from(size.y);
         if pixels > MOST_PIXELS {
             return Err(Error::Input(format!("{spec}: its camera has {pixels} pixels; --size takes less")));
@@ -177,7 +191,7 @@ impl Job {
             height: size.y,
             depth: wish.depth.unwrap_or(scene.max_depth),
         };
-        Ok(Job { key, scene, technique, knobs, sampler, parts })
+        Ok(Job { key, scene, load: wish.load, technique, knobs, sampler, parts })
     }
 
     /// Builds the scene and the technique on a pool of threads. Only what building takes is on the clock.
@@ -270,6 +284,26 @@ mod tests {
     }
 
     #[test]
+    fn a_crop_keeps_its_place_at_another_size() {
+        let mut camera = etendue_scenes::load("cornell").unwrap().description.camera.unwrap();
+        camera.resolution = UVec2::new(100, 80);
+        camera.crop = Some(Crop { offset: UVec2::new(10, 20), size: UVec2::new(40, 30) });
+        assert_eq!(camera.film_size(), UVec2::new(40, 30));
+        Size::Longest(20).apply(&mut camera);
+        assert_eq!(camera.crop, Some(Crop { offset: UVec2::new(5, 10), size: UVec2::new(20, 15) }));
+        assert_eq!((camera.resolution, camera.film_size()), (UVec2::new(50, 40), UVec2::new(20, 15)));
+        // Rounding never puts the crop outside of the film.
+        camera.resolution = UVec2::new(7, 7);
+        camera.crop = Some(Crop { offset: UVec2::new(5, 5), size: UVec2::new(2, 2) });
+        for n in 1..20 {
+            let mut camera = camera.clone();
+            Size::Longest(n).apply(&mut camera);
+            let crop = camera.crop.unwrap();
+            assert!(crop.size == UVec2::splat(n) && (crop.offset + crop.size).cmple(camera.resolution).all(), "{n}");
+        }
+    }
+
+    #[test]
     fn keys_say_what_differs() {
         let wish = Wish {
             technique: "path".into(),
@@ -278,6 +312,7 @@ mod tests {
             parts: vec![],
             size: Some(Size::Longest(8)),
             depth: None,
+            load: LoadOptions::default(),
         };
         let key = Job::load("cornell", &wish).unwrap().key;
         let renamed = ImageKey { scene: "./cornell".into(), ..key.clone() };
@@ -290,7 +325,7 @@ mod tests {
 
     #[test]
     fn an_invalid_scene_is_refused_by_name() {
-        let wish = crate::reference::wish(Some(Size::Longest(8)), None);
+        let wish = crate::reference::wish(Some(Size::Longest(8)), None, LoadOptions::default());
         let mut job = Job::load("cornell", &wish).unwrap();
         job.scene.description.objects[0].material = usize::MAX;
         let object = job.scene.description.objects[0].name.clone();

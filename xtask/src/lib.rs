@@ -23,5 +23,6 @@ pub mod reference;
 pub mod render;
 pub mod report;
 pub mod samplers;
+pub mod scene;
 pub mod study;
 pub mod techniques;

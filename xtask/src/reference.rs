@@ -14,6 +14,7 @@ use crate::{
     render::Budget,
 };
 use etendue_core::rgb::Rgb;
+use etendue_scenes::LoadOptions;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
@@ -187,8 +188,8 @@ fn exact(job: &Job, radiance: f64) -> (Reference, ReferenceEntry) {
 }
 
 /// The technique and sampler that make references.
-pub fn wish(size: Option<Size>, depth: Option<u32>) -> Wish {
-    Wish { technique: "path".into(), knobs: vec![], sampler: "independent".into(), parts: vec![], size, depth }
+pub fn wish(size: Option<Size>, depth: Option<u32>, load: LoadOptions) -> Wish {
+    Wish { technique: "path".into(), knobs: vec![], sampler: "independent".into(), parts: vec![], size, depth, load }
 }
 
 /// The stored references: what there is, by the name of the scene.
@@ -254,7 +255,7 @@ pub fn run(args: &ReferenceArgs) -> Result<(), Error> {
         Some(n) => Budget::Passes(n),
         None => Budget::Seconds(args.seconds.unwrap_or(DEFAULT_SECONDS)),
     };
-    let wish = wish(Some(args.image.size.unwrap_or(DEFAULT_SIZE)), args.image.depth);
+    let wish = wish(Some(args.image.size.unwrap_or(DEFAULT_SIZE)), args.image.depth, args.load.into());
     let jobs = scenes.iter().map(|s| Job::load(s, &wish)).collect::<Result<Vec<_>, _>>()?;
     interrupt::listen()?;
     let mut made = BTreeMap::new();
@@ -302,7 +303,7 @@ mod tests {
     #[test]
     fn stored_references_are_found_by_hash_size_and_depth() {
         let folder = tempfile::tempdir().unwrap();
-        let job = Job::load("cornell", &wish(Some(Size::Longest(4)), Some(3))).unwrap();
+        let job = Job::load("cornell", &wish(Some(Size::Longest(4)), Some(3), LoadOptions::default())).unwrap();
         let (reference, entry) = make(&job, 1, 0, Budget::Passes(3)).unwrap().unwrap();
         assert_eq!(entry.passes, 3);
         Store::open(folder.path()).unwrap().put("cornell", &reference, entry.clone()).unwrap();
@@ -311,7 +312,8 @@ mod tests {
         assert_eq!(listed, entry);
         assert_eq!((found.hash(), found.variance), (reference.hash(), reference.variance));
         for (size, depth) in [(5, 3), (4, 4)] {
-            let other = Job::load("cornell", &wish(Some(Size::Longest(size)), Some(depth))).unwrap();
+            let other =
+                Job::load("cornell", &wish(Some(Size::Longest(size)), Some(depth), LoadOptions::default())).unwrap();
             assert!(store.find(&other).unwrap().is_none());
         }
     }

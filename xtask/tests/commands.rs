@@ -45,7 +45,7 @@ fn render(folder: &TempDir, more: &[&str]) -> serde_json::Value {
 fn every_command_helps() {
     let folder = folder();
     xtask(folder.path(), &["--help"]).success();
-    for command in ["study", "render", "merge", "compare", "reference", "scenes", "techniques", "check"] {
+    for command in ["study", "render", "merge", "compare", "reference", "scene", "scenes", "techniques", "check"] {
         let output = xtask(folder.path(), &[command, "--help"]).success().get_output().stdout.clone();
         assert!(String::from_utf8(output).unwrap().contains("Examples:"), "{command}");
     }
@@ -66,6 +66,45 @@ fn lists() {
     xtask(folder.path(), &["techniques"]).success();
     let steps = xtask(folder.path(), &["check", "--list"]).success().get_output().stdout.clone();
     assert!(String::from_utf8(steps).unwrap().contains("cargo clippy"));
+}
+
+#[test]
+fn a_scene_is_described() {
+    let folder = folder();
+    let report = json(folder.path(), &["scene", "cornell"]);
+    assert_eq!((&report["scene"], &report["width"], &report["depth"]), (&"cornell".into(), &128.into(), &12.into()));
+    assert_eq!((&report["lights"]["area"], &report["lights"]["area_elements"]), (&1.into(), &2.into()));
+    assert!(report["triangles"].as_u64().unwrap() > 0);
+    for positive in ["/load/seconds", "/build/seconds", "/memory/geometry_bytes", "/memory/bytes_per_triangle"] {
+        assert!(report.pointer(positive).unwrap().as_f64().unwrap() > 0.0, "{positive}");
+    }
+    let effects = report["effects"].as_array().unwrap();
+    assert!(effects.iter().any(|line| line.as_str().unwrap().starts_with("caustics: none")), "{effects:?}");
+    let text = xtask(folder.path(), &["scene", "sky:width=64"]).success().get_output().stdout.clone();
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("images     1, 2048 texels, 24.6 kB") && text.contains("1 environment"), "{text}");
+}
+
+#[test]
+fn what_a_file_has_that_is_not_supported_is_left_out_if_that_is_asked_for() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("scene")).unwrap();
+    let text = "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\"/>\n\
+                <shape type=\"hair\"/><emitter type=\"constant\"/><shape type=\"obj\"><string name=\"filename\" \
+                value=\"../t.obj\"/></shape></scene>";
+    fs::write(folder.path().join("scene/s.xml"), text).unwrap();
+    fs::write(folder.path().join("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    assert!(refusal(folder.path(), &["scene", "scene/s.xml"]).contains("scene/s.xml:2:14: the shape type `hair`"));
+    let lenient = json(folder.path(), &["scene", "scene/s.xml", "--lenient"]);
+    let notes: Vec<_> = lenient["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+    assert!(notes[0].starts_with("scene/s.xml:2:14: ") && notes[0].ends_with("it is left out"), "{notes:?}");
+    assert!(notes[1].contains("without --allow-outside"), "{notes:?}");
+    assert_eq!((&lenient["triangles"], &lenient["lights"]["environment"]), (&0.into(), &true.into()));
+    let outside = json(folder.path(), &["scene", "scene/s.xml", "--lenient", "--allow-outside"]);
+    assert_eq!((&outside["triangles"], outside["notes"].as_array().unwrap().len()), (&1.into(), 1));
+    let tiny = ["--size", "8x8", "--passes", "1"];
+    assert!(refusal(folder.path(), &[&["render", "scene/s.xml"], &tiny[..]].concat()).contains("hair"));
+    json(folder.path(), &[&["render", "scene/s.xml", "--lenient", "--allow-outside"], &tiny[..]].concat());
 }
 
 #[test]
@@ -123,6 +162,8 @@ fn bad_input_is_refused() {
         (&["study", "--scenes", "cornell,sky", "--reference", "good.exr", "--out", "s"], &["--reference"]),
         (&["study", "--scenes", "cornell", "--out", "good.exr/s"], &["good.exr/s"]),
         (&["reference", "--scenes", "nonesuch", "--out", "r"], &["nonesuch"]),
+        (&["scene", "nonesuch"], &["nonesuch"]),
+        (&["scene", "broken.xml"], &["broken.xml", "nonesuch"]),
         (&["nonesuch"], &["nonesuch"]),
     ];
     for (arguments, said) in table {

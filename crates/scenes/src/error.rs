@@ -10,7 +10,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum LoadError {
     /// Neither a built-in scene nor a file.
-    #[error("unknown scene `{name}`{}; built-in scenes are {known}, and a path to a .xml file is a scene too", did_you_mean(*.nearest))]
+    #[error("unknown scene `{name}`{}; built-in scenes are {known}, and a path to a .xml, .gltf or .glb file is a scene too", did_you_mean(*.nearest))]
     UnknownScene {
         /// What was asked for.
         name: String,
@@ -44,7 +44,7 @@ pub enum LoadError {
         expected: String,
     },
     /// A file of a kind that no importer reads.
-    #[error("{}: scenes are read from Mitsuba's .xml files; `{extension}` is not supported", .path.display())]
+    #[error("{}: scenes are read from .xml, .gltf and .glb files; `{extension}` is not supported", .path.display())]
     UnsupportedFormat {
         /// The file.
         path: PathBuf,

@@ -7,20 +7,24 @@
 //! ```
 //!
 //! A scene is asked for by the name of a built-in one, with parameters after a colon, or by the path of a file.
-//! [`builtins`] lists the built-in scenes and their parameters as data. Files are scenes in Mitsuba 3's XML with the
-//! meshes (PLY, OBJ) and images (OpenEXR) that they name; what an importer does not know is an error that names the
-//! file, the line and the column, and never silently left out.
+//! [`builtins`] lists the built-in scenes and their parameters as data. Files are scenes in Mitsuba's XML (see [`mitsuba`])
+//! or in glTF 2.0 (see [`gltf`]) with the meshes and images that they name; what an importer does not know is an error
+//! that says where, or, if [`LoadOptions`] ask for it, a note that says what was left out.
 #![deny(unsafe_code)]
 
 pub mod builtin;
 mod cube;
 mod error;
+pub mod gltf;
 pub mod image_file;
 pub mod mitsuba;
 mod normals;
 pub mod obj;
 mod placement;
 pub mod ply;
+pub mod serialized;
+mod spectrum;
+pub mod sun_sky;
 
 /// The README's examples, compiled and run as they stand.
 #[cfg(doctest)]
@@ -52,12 +56,32 @@ pub struct LoadedScene {
     pub exact: Option<Furnace>,
 }
 
-/// Loads a built-in scene (`cornell`, `many-lights:n=4096,seed=7`) or a scene file (`path/to/scene.xml`).
+/// How a scene file is loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// What is wrong or not supported is left out, or something plain stands in for it, and a note says so; without it, it is an
+    /// error.
+    pub lenient: bool,
+    /// Files outside of the scene's folder may be read where the scene names them.
+    pub outside_folder: bool,
+}
+
+/// Loads a built-in scene (`cornell`, `many-lights:n=4096,seed=7`) or a scene file (`path/to/scene.xml`, `scene.gltf`,
+/// `scene.glb`) that is wholly supported and whose files lie in its folder.
 ///
 /// # Errors
 ///
 /// An unknown name or parameter, a value out of range, a file that cannot be read or that holds something wrong.
 pub fn load(spec: &str) -> Result<LoadedScene, LoadError> {
+    load_with(spec, LoadOptions::default())
+}
+
+/// As [`load`], told how to load a file.
+///
+/// # Errors
+///
+/// As those of [`load`].
+pub fn load_with(spec: &str, options: LoadOptions) -> Result<LoadedScene, LoadError> {
     let (name, parameters) = spec.split_once(':').unwrap_or((spec, ""));
     if let Some(builtin) = builtins().iter().find(|b| b.name == name) {
         return builtin.load(parameters);
@@ -65,8 +89,9 @@ pub fn load(spec: &str) -> Result<LoadedScene, LoadError> {
     let path = Path::new(spec);
     let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
     match extension {
-        Some(extension) if extension.eq_ignore_ascii_case("xml") => mitsuba::load(path),
-        _ if path.is_dir() => Err(Flaw::new(Place::Whole, "is a folder; a scene is a .xml file").of(path)),
+        Some(extension) if extension.eq_ignore_ascii_case("xml") => mitsuba::load(path, options),
+        Some(extension) if ["gltf", "glb"].iter().any(|e| extension.eq_ignore_ascii_case(e)) => gltf::load(path),
+        _ if path.is_dir() => Err(Flaw::new(Place::Whole, "is a folder; a scene is a file").of(path)),
         Some(extension) if path.exists() || spec.contains(['/', '\\']) => {
             Err(LoadError::UnsupportedFormat { path: path.to_owned(), extension: format!(".{extension}") })
         }

@@ -1,10 +1,11 @@
 //! Meshes in PLY files: ASCII and binary of either byte order.
 //!
-//! Of the element `vertex`, `x y z`, `nx ny nz` and `u v` (or `s t`) are read; of the element `face`, the list
-//! `vertex_indices` (or `vertex_index`), whose polygons are cut into fans. Everything else is passed over.
+//! Of the element `vertex`, `x y z`, `nx ny nz`, `u v` (or `s t`) and the colour `r g b` (or `red green blue`) are read; of the
+//! element `face`, the list `vertex_indices` (or `vertex_index`), whose polygons are cut into fans. Everything else is passed
+//! over. Colours are linear; one of whole numbers is 1 at the largest number of its type.
 
 use crate::error::{Flaw, Place};
-use etendue_core::geometry::Mesh;
+use etendue_core::{geometry::Mesh, rgb::Rgb};
 use glam::{Vec2, Vec3};
 
 /// The largest file that is read.
@@ -43,6 +44,19 @@ impl Scalar {
             Scalar::I16 | Scalar::U16 => 2,
             Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
             Scalar::F64 => 8,
+        }
+    }
+
+    /// The largest value of a colour's component.
+    fn full(self) -> f64 {
+        match self {
+            Scalar::I8 => f64::from(i8::MAX),
+            Scalar::U8 => f64::from(u8::MAX),
+            Scalar::I16 => f64::from(i16::MAX),
+            Scalar::U16 => f64::from(u16::MAX),
+            Scalar::I32 => f64::from(i32::MAX),
+            Scalar::U32 => f64::from(u32::MAX),
+            Scalar::F32 | Scalar::F64 => 1.0,
         }
     }
 
@@ -283,9 +297,22 @@ impl Body<'_> {
     }
 }
 
-/// Where the numbers of a vertex go: position, normal, texture coordinates.
-const SLOTS: [&[&str]; 8] =
-    [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
+/// Where the numbers of a vertex go: position, normal, texture coordinates, colour.
+const SLOTS: [&[&str]; 11] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["u", "s", "texture_u"],
+    &["v", "t", "texture_v"],
+    &["r", "red"],
+    &["g", "green"],
+    &["b", "blue"],
+];
+/// The first slot of a colour.
+const COLOR: usize = 8;
 
 fn read_vertices(element: &Element, body: &mut Body, mesh: &mut Mesh) -> Result<(), Flaw> {
     let scalar_slot = |property: &Property| match property.kind {
@@ -297,31 +324,40 @@ fn read_vertices(element: &Element, body: &mut Body, mesh: &mut Mesh) -> Result<
     if !has(0..3) {
         return Err(Flaw::new(Place::Line(element.line), "the vertices lack x, y or z"));
     }
-    let (normals, uvs) = (has(3..6), has(6..8));
+    let (normals, uvs, colors) = (has(3..6), has(6..8), has(COLOR..SLOTS.len()));
     let count = element.count as usize;
     mesh.positions.reserve_exact(count);
     mesh.normals.reserve_exact(if normals { count } else { 0 });
     mesh.uvs.reserve_exact(if uvs { count } else { 0 });
+    mesh.colors.reserve_exact(if colors { count } else { 0 });
     for _ in 0..count {
         let mut values = [0f32; SLOTS.len()];
         for (property, slot) in element.properties.iter().zip(&slots) {
             match (property.kind, slot) {
                 (Kind::Scalar(scalar), Some(slot)) => {
-                    values[*slot] = body.number(scalar)? as f32;
+                    let number = body.number(scalar)?;
+                    let color = *slot >= COLOR;
+                    values[*slot] = if color { number / scalar.full() } else { number } as f32;
                     if !values[*slot].is_finite() {
                         return Err(body.flaw(format!("the vertex's {} is not a finite number", property.name)));
+                    }
+                    if color && values[*slot] < 0.0 {
+                        return Err(body.flaw(format!("the vertex's {} is negative", property.name)));
                     }
                 }
                 (kind, _) => body.skip(kind)?,
             }
         }
-        let [x, y, z, nx, ny, nz, u, v] = values;
+        let [x, y, z, nx, ny, nz, u, v, r, g, b] = values;
         mesh.positions.push(Vec3::new(x, y, z));
         if normals {
             mesh.normals.push(Vec3::new(nx, ny, nz));
         }
         if uvs {
             mesh.uvs.push(Vec2::new(u, v));
+        }
+        if colors {
+            mesh.colors.push(Rgb::new(r, g, b));
         }
     }
     Ok(())

@@ -140,6 +140,7 @@ fn load_jobs(args: &StudyArgs) -> Result<Vec<Job>, Error> {
         parts: vec![],
         size: size.or(Some(DEFAULT_SIZE)),
         depth: args.image.depth,
+        load: args.load.into(),
     };
     let pairs = scenes.iter().flat_map(|s| args.techniques.iter().map(move |t| (s, t)));
     pairs.map(|(s, t)| Job::load(s, &wish(t))).collect()

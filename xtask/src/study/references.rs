@@ -115,7 +115,7 @@ impl References {
             return Ok(Some(found));
         }
         // Made by path tracing with every part of the light, whatever the study is of.
-        let wish = reference::wish(Some(crate::job::Size::Exact(job.key.size())), Some(job.key.depth));
+        let wish = reference::wish(Some(crate::job::Size::Exact(job.key.size())), Some(job.key.depth), job.load);
         let maker = Job::load(&job.key.scene, &wish)?;
         let made = reference::make(&maker, want.threads, want.seed, Budget::Seconds(seconds))?;
         let Some((reference, entry)) = made else { return Ok(None) };

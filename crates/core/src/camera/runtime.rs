@@ -12,19 +12,17 @@ pub enum CameraError {
     /// The film has no pixels.
     #[error("the camera's resolution is {} x {}", .0.x, .0.y)]
     Resolution(UVec2),
-    /// The crop is empty or reaches beyond the film.
-    #[error("the camera's crop of {} x {} at ({}, {}) is no part of its film of {} x {}", .size.x, .size.y, .offset.x, .offset.y, .resolution.x, .resolution.y)]
-    Crop {
-        /// First column and row.
-        offset: UVec2,
-        /// Columns and rows.
-        size: UVec2,
-        /// Pixels of the film.
-        resolution: UVec2,
-    },
     /// The field of view is not between 0 and pi.
     #[error("the camera's horizontal field of view is {0} radians, not between 0 and pi")]
     FieldOfView(f64),
+    /// The crop is empty or does not lie within the film.
+    #[error("the camera's crop of {} x {} pixels from ({}, {}) is not a part of its film of {} x {}", .crop.size.x, .crop.size.y, .crop.offset.x, .crop.offset.y, .film.x, .film.y)]
+    Crop {
+        /// The crop.
+        crop: Crop,
+        /// Pixels of the film.
+        film: UVec2,
+    },
     /// A length is not positive and finite.
     #[error("the camera's {name} is {value}, not positive")]
     Length {
@@ -41,12 +39,12 @@ pub enum CameraError {
 /// A camera in the rendered world.
 ///
 /// Film positions are in pixels, (0, 0) at the top left corner of the image, x to the right, y down. They are not
-/// bounded by the film: what lies just outside matters to filters wider than a pixel.
+/// bounded by the film: what lies just outside matters to filters wider than a pixel. Of a cropped film the image is the
+/// crop.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    /// Pixels of the image: of the crop, if there is one.
     resolution: UVec2,
-    /// The middle of the whole film, in pixels of the image.
+    /// Film position of the camera's axis.
     middle: Vec2,
     position: Vec3,
     /// Unit axes of the camera's space in the world: to the left of the image, up, and forwards.
@@ -96,10 +94,14 @@ impl Camera {
         if resolution.x == 0 || resolution.y == 0 {
             return Err(CameraError::Resolution(resolution));
         }
-        let Crop { offset, size } = crop.unwrap_or(Crop { offset: UVec2::ZERO, size: resolution });
-        let fits = |offset: u32, size: u32, whole: u32| size > 0 && offset <= whole && size <= whole - offset;
-        if !fits(offset.x, size.x, resolution.x) || !fits(offset.y, size.y, resolution.y) {
-            return Err(CameraError::Crop { offset, size, resolution });
+        let offset = crop.map_or(UVec2::ZERO, |c| c.offset);
+        if let Some(crop) = crop {
+            // Written so that nothing overflows.
+            let fits = |size, offset, film| size > 0 && size <= film && offset <= film - size;
+            let Crop { size, offset } = crop;
+            if !(fits(size.x, offset.x, resolution.x) && fits(size.y, offset.y, resolution.y)) {
+                return Err(CameraError::Crop { crop, film: resolution });
+            }
         }
         let axes = unit_axes(to_world.matrix3)?;
         let position = to_world.translation - recentre;
@@ -126,7 +128,7 @@ impl Camera {
             Projection::Orthographic { .. } => Lens::Parallel,
         };
         Ok(Camera {
-            resolution: size,
+            resolution: description.film_size(),
             middle: 0.5 * resolution.as_vec2() - offset.as_vec2(),
             position: position.as_vec3(),
             left: axes.x_axis.as_vec3(),
@@ -137,7 +139,7 @@ impl Camera {
         })
     }
 
-    /// Pixels of the image.
+    /// Pixels of the image: those of the film, or of its crop.
     #[inline]
     pub fn resolution(&self) -> UVec2 {
         self.resolution
@@ -240,7 +242,7 @@ impl Camera {
         film.is_finite().then_some(film)
     }
 
-    /// Density per square metre of a camera ray's origin: over the lens, over the film's rectangle in the world for
+    /// Density per square metre of a camera ray's origin: over the lens, over the image's rectangle in the world for
     /// parallel rays, and 1 (delta) for a pinhole.
     #[inline]
     pub fn pdf_a(&self) -> f32 {
@@ -274,7 +276,7 @@ impl Camera {
         f64::from(self.resolution.x) * f64::from(self.resolution.y)
     }
 
-    /// From the middle of the image to a film position: at distance 1 where there is a field of view.
+    /// From the camera's axis to a film position: at distance 1 where there is a field of view.
     #[inline]
     fn offset(&self, film: Vec2) -> Vec3 {
         let q = (self.middle - film) * (1.0 / self.pixels_per_metre) as f32;
@@ -301,7 +303,7 @@ fn positive(name: &'static str, value: f64) -> Result<f64, CameraError> {
 }
 
 /// The axes without their scale, at exact right angles; a reflection stays.
-fn unit_axes(m: DMat3) -> Result<DMat3, CameraError> {
+pub(crate) fn unit_axes(m: DMat3) -> Result<DMat3, CameraError> {
     if !m.is_finite() {
         return Err(CameraError::Transform("not finite"));
     }

@@ -1,172 +1,128 @@
-//! The document: places, `$` substitution, identifiers, files.
+//! What the elements of a scene share: identifiers, files, notes, and whether what is not supported is an error.
 
-use super::value::abridged;
-use crate::error::{Flaw, LoadError, Place, nearest};
-use roxmltree::{Document, Node};
+use super::{
+    ahead::Ahead,
+    files::Folders,
+    images::Images,
+    tree::{Node, Tree},
+    value::abridged,
+};
+use crate::{
+    LoadOptions,
+    error::{LoadError, nearest},
+};
 use std::{
-    borrow::Cow,
-    collections::HashMap,
-    path::{Component, Path, PathBuf},
+    cell::RefCell,
+    collections::{HashMap, HashSet},
+    path::PathBuf,
 };
 
-/// A parsed scene file with what its elements share.
+/// A scene's elements with what they share.
 pub(super) struct Reader<'d> {
-    path: &'d Path,
-    /// The scene's folder, without links.
-    folder: PathBuf,
-    document: &'d Document<'d>,
-    /// The byte at which each line starts.
-    lines: Vec<usize>,
-    defaults: HashMap<&'d str, String>,
-    by_id: HashMap<String, Node<'d, 'd>>,
+    by_id: HashMap<&'d str, Node<'d>>,
+    folders: &'d Folders,
+    lenient: bool,
+    /// Whether the file is of a version before 1.
+    pub(super) older: bool,
+    notes: RefCell<Notes>,
+    /// The meshes and images that the scene names.
+    pub(super) ahead: Ahead,
+    /// The images as textures use them.
+    pub(super) images: Images,
+}
+
+#[derive(Default)]
+struct Notes {
+    list: Vec<String>,
+    /// Those in the list: each is said once.
+    said: HashSet<String>,
 }
 
 impl<'d> Reader<'d> {
-    /// Collects the defaults and identifiers of a document.
-    pub(super) fn new(path: &'d Path, document: &'d Document<'d>) -> Result<Reader<'d>, LoadError> {
-        let folder = match path.parent() {
-            Some(parent) if parent != Path::new("") => parent,
-            _ => Path::new("."),
-        };
-        let folder = folder.canonicalize().map_err(|source| LoadError::Read { path: folder.to_owned(), source })?;
-        let mut reader =
-            Reader { path, folder, document, lines: Vec::new(), defaults: HashMap::new(), by_id: HashMap::new() };
-        let ends = document.input_text().bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        reader.lines = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
-        let root = document.root_element();
-        for node in root.children().filter(|n| n.has_tag_name("default")) {
-            reader.allow_attributes(node, &["name", "value"])?;
-            let name = reader.required(node, "name")?;
-            // A default may use those before it.
-            let value = reader.substituted(node, "value")?.into_owned();
-            if reader.defaults.insert(name, value).is_some() {
-                return Err(reader.error(node, format!("the default `{name}` is set a second time")));
-            }
-        }
-        for node in root.descendants().filter(|n| n.has_attribute("id") && !n.has_tag_name("ref")) {
-            let id = reader.substituted(node, "id")?.into_owned();
-            if let Some(first) = reader.by_id.get(&id) {
-                let line = reader.line(*first);
-                return Err(reader.error(node, format!("the id `{id}` is already taken in line {line}")));
-            }
-            reader.by_id.insert(id, node);
-        }
-        Ok(reader)
-    }
-
-    /// The line in which an element starts, counted from 1.
-    pub(super) fn line(&self, node: Node) -> usize {
-        self.lines.partition_point(|start| *start <= node.range().start)
-    }
-
-    /// An error at an element.
-    pub(super) fn error(&self, node: Node, message: impl Into<String>) -> LoadError {
-        self.error_at(node.range().start, message)
-    }
-
-    /// An error at the value of an attribute.
-    pub(super) fn error_in(&self, node: Node, attribute: &str, message: impl Into<String>) -> LoadError {
-        self.error_at(node.attribute_node(attribute).map_or(node.range().start, |a| a.range_value().start), message)
-    }
-
-    /// An error at a byte of the document.
-    pub(super) fn error_at(&self, byte: usize, message: impl Into<String>) -> LoadError {
-        let place = self.document.text_pos_at(byte);
-        Flaw::new(Place::Column(place.row, place.col), message).of(self.path)
-    }
-
-    /// Refuses attributes other than those named.
-    pub(super) fn allow_attributes(&self, node: Node, allowed: &[&str]) -> Result<(), LoadError> {
-        for attribute in node.attributes() {
-            if !allowed.contains(&attribute.name()) || attribute.namespace().is_some() {
-                let message = format!(
-                    "<{}> has no attribute `{}`{}; it has {}",
-                    node.tag_name().name(),
-                    abridged(attribute.name()),
-                    suggestion(attribute.name(), allowed.iter().copied()),
-                    allowed.join(", ")
-                );
-                return Err(self.error_at(attribute.range().start, message));
-            }
-        }
-        Ok(())
-    }
-
-    /// The text of an attribute as it stands.
-    pub(super) fn required(&self, node: Node<'d, 'd>, attribute: &str) -> Result<&'d str, LoadError> {
-        let missing = || self.error(node, format!("<{}> lacks the attribute `{attribute}`", node.tag_name().name()));
-        node.attribute(attribute).ok_or_else(missing)
-    }
-
-    /// The text of an attribute with its `$name`s replaced.
-    pub(super) fn substituted(&self, node: Node<'d, 'd>, attribute: &str) -> Result<Cow<'d, str>, LoadError> {
-        let text = self.required(node, attribute)?;
-        if !text.contains('$') {
-            return Ok(Cow::Borrowed(text));
-        }
-        let mut parts = text.split('$');
-        let mut out = parts.next().unwrap_or_default().to_owned();
-        for part in parts {
-            let end = part.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(part.len());
-            let (name, rest) = part.split_at(end);
-            let Some(value) = self.defaults.get(name) else {
-                let known = self.defaults.keys().copied();
-                let message = format!("`${}` has no <default>{}", abridged(name), suggestion(name, known));
-                return Err(self.error_in(node, attribute, message));
+    /// Collects the identifiers and reads the files.
+    pub(super) fn new(tree: &'d Tree, folders: &'d Folders, options: LoadOptions) -> Result<Reader<'d>, LoadError> {
+        let mut by_id: HashMap<&str, Node> = HashMap::new();
+        for node in tree.nodes() {
+            let id = match node.tag() {
+                "ref" => continue,
+                "alias" => {
+                    node.allow_attributes(&["id", "as"])?;
+                    let target = referenced(&by_id, node)?;
+                    identify(&mut by_id, node, node.required("as")?, target)?;
+                    continue;
+                }
+                _ => node.attribute("id"),
             };
-            out.push_str(value);
-            out.push_str(rest);
-            // Defaults that are made of defaults could double in size with every line.
-            if out.len() > 1 << 16 {
-                return Err(self.error_in(node, attribute, "grows beyond 65536 bytes when its defaults are put in"));
+            if let Some(id) = id {
+                identify(&mut by_id, node, id, node)?;
             }
         }
-        Ok(Cow::Owned(out))
+        let older = tree.node(0).attribute("version").is_some_and(|v| v.trim().starts_with("0."));
+        let ahead = Ahead::read(tree, folders);
+        let notes = RefCell::new(Notes::default());
+        Ok(Reader { by_id, folders, lenient: options.lenient, older, notes, ahead, images: Images::default() })
     }
 
     /// The element that a `<ref>` names.
-    pub(super) fn referenced(&self, node: Node<'d, 'd>) -> Result<Node<'d, 'd>, LoadError> {
-        self.allow_attributes(node, &["id", "name"])?;
-        let id = self.substituted(node, "id")?;
-        self.by_id.get(id.as_ref()).copied().ok_or_else(|| {
-            let known = self.by_id.keys().map(String::as_str);
-            self.error_in(node, "id", format!("nothing has the id `{}`{}", abridged(&id), suggestion(&id, known)))
-        })
+    pub(super) fn referenced(&self, node: Node<'d>) -> Result<Node<'d>, LoadError> {
+        node.allow_attributes(&["id", "name"])?;
+        referenced(&self.by_id, node)
     }
 
-    /// The place of a file that the scene names, which lies in the scene's folder.
-    pub(super) fn file(&self, byte: usize, name: &str) -> Result<PathBuf, LoadError> {
-        let leaves = || {
-            let message = format!("the file `{}` lies outside of the scene's folder, which is refused", abridged(name));
-            self.error_at(byte, message)
-        };
-        let mut depth = 0i64;
-        for component in Path::new(name).components() {
-            depth += match component {
-                Component::Normal(_) => 1,
-                Component::CurDir => 0,
-                Component::ParentDir => -1,
-                Component::RootDir | Component::Prefix(_) => return Err(leaves()),
-            };
-            if depth < 0 {
-                return Err(leaves());
-            }
-        }
-        let path = self.folder.join(name);
-        // The name itself stays inside; a link on its way might not.
-        let real = path
-            .canonicalize()
-            .map_err(|e| self.error_at(byte, format!("cannot read the file `{}`: {e}", abridged(name))))?;
-        if !real.starts_with(&self.folder) {
-            return Err(leaves());
-        }
-        Ok(real)
+    /// The place of a file that an element names.
+    pub(super) fn file(&self, name: &str) -> Result<PathBuf, String> {
+        self.folders.find(name)
     }
 
-    /// The path of the scene.
-    pub(super) fn path(&self) -> &Path {
-        self.path
+    /// Something that a user should know.
+    pub(super) fn note(&self, note: impl Into<String>) {
+        let (note, mut notes) = (note.into(), self.notes.borrow_mut());
+        if notes.said.insert(note.clone()) {
+            notes.list.push(note);
+        }
     }
+
+    /// What has been noted.
+    pub(super) fn notes(self) -> Vec<String> {
+        self.notes.into_inner().list
+    }
+
+    /// Lets something pass that is wrong or not supported: noted, with what is done instead, where loading is lenient; an error
+    /// otherwise.
+    pub(super) fn forgive(&self, error: LoadError, instead: &str) -> Result<(), LoadError> {
+        if !self.lenient {
+            return Err(error);
+        }
+        self.note(format!("{error}; {instead}"));
+        Ok(())
+    }
+
+    /// As [`Reader::forgive`] where there may be nothing to forgive: none if there is.
+    pub(super) fn forgiven<T>(&self, result: Result<T, LoadError>, instead: &str) -> Result<Option<T>, LoadError> {
+        result.map(Some).or_else(|error| self.forgive(error, instead).map(|()| None))
+    }
+}
+
+fn identify<'d>(
+    by_id: &mut HashMap<&'d str, Node<'d>>,
+    node: Node<'d>,
+    id: &'d str,
+    target: Node<'d>,
+) -> Result<(), LoadError> {
+    match by_id.insert(id, target) {
+        None => Ok(()),
+        Some(first) => {
+            Err(node.error(format!("the id `{}` is already taken in {}", abridged(id), first.whereabouts())))
+        }
+    }
+}
+
+fn referenced<'d>(by_id: &HashMap<&'d str, Node<'d>>, node: Node<'d>) -> Result<Node<'d>, LoadError> {
+    let id = node.required("id")?;
+    by_id.get(id).copied().ok_or_else(|| {
+        let guess = suggestion(id, by_id.keys().copied());
+        node.error_in("id", format!("nothing has the id `{}`{guess}", abridged(id)))
+    })
 }
 
 /// A hint at the most similar of several names.

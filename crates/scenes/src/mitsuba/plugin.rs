@@ -3,26 +3,34 @@
 use super::{
     document::{Reader, suggestion},
     transform,
-    value::{self, abridged},
+    tree::Node,
+    value::{self, Spectral, abridged},
 };
-use crate::error::LoadError;
+use crate::{
+    error::{LoadError, read_file},
+    spectrum::uniform_emission,
+};
 use etendue_core::rgb::Rgb;
 use glam::{DAffine3, DVec3};
-use roxmltree::Node;
 use std::{
     cell::{Cell, RefCell},
     ops::RangeInclusive,
+    path::PathBuf,
 };
 
 /// Elements that are plugins, nested in others.
-const NESTED: [&str; 8] = ["integrator", "sensor", "sampler", "film", "rfilter", "bsdf", "shape", "emitter"];
+const NESTED: [&str; 11] =
+    ["integrator", "sensor", "sampler", "film", "rfilter", "bsdf", "shape", "emitter", "texture", "medium", "volume"];
+
+/// The largest file of a spectrum that is read.
+const LARGEST_SPECTRUM: u64 = 1 << 20;
 
 /// A plugin: what it is and what it was given. Whatever nobody asks for is an error in [`Plugin::finish`].
 pub(super) struct Plugin<'r, 'd> {
     pub(super) reader: &'r Reader<'d>,
-    pub(super) node: Node<'d, 'd>,
+    pub(super) node: Node<'d>,
     /// The value of its `type`.
-    pub(super) kind: String,
+    pub(super) kind: &'d str,
     parameters: Vec<Given<'d>>,
     nested: Vec<Nested<'d>>,
     asked: RefCell<Vec<&'static str>>,
@@ -31,7 +39,7 @@ pub(super) struct Plugin<'r, 'd> {
 struct Given<'d> {
     name: String,
     value: Value,
-    node: Node<'d, 'd>,
+    node: Node<'d>,
     used: Cell<bool>,
 }
 
@@ -41,90 +49,114 @@ enum Value {
     Boolean(bool),
     Text(String),
     Colour(Rgb),
+    Spectral(Spectral),
     Vector(DVec3),
     Transform(DAffine3),
 }
 
 struct Nested<'d> {
     /// What it is, after a `<ref>` was followed.
-    node: Node<'d, 'd>,
+    node: Node<'d>,
     /// Where it stands.
-    place: Node<'d, 'd>,
+    place: Node<'d>,
+    /// What it is for: the `name` where it stands.
+    name: Option<String>,
     used: Cell<bool>,
+}
+
+/// What a colour stands for: spectra become RGB in different ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Meaning {
+    /// What a surface or medium does to light.
+    Reflectance,
+    /// Light.
+    Emission,
+    /// An index of refraction, or extinction.
+    Index,
 }
 
 impl<'r, 'd> Plugin<'r, 'd> {
     /// Reads the element and its parameters.
-    pub(super) fn new(reader: &'r Reader<'d>, node: Node<'d, 'd>) -> Result<Plugin<'r, 'd>, LoadError> {
-        reader.allow_attributes(node, &["type", "id", "name"])?;
-        let kind = reader.substituted(node, "type")?.into_owned();
+    pub(super) fn new(reader: &'r Reader<'d>, node: Node<'d>) -> Result<Plugin<'r, 'd>, LoadError> {
+        node.allow_attributes(&["type", "id", "name"])?;
+        let kind = node.required("type")?;
         let asked = RefCell::new(Vec::new());
         let mut plugin = Plugin { reader, node, kind, parameters: Vec::new(), nested: Vec::new(), asked };
-        for child in elements(reader, node)? {
-            let tag = child.tag_name().name();
-            if tag == "ref" {
-                let node = reader.referenced(child)?;
-                plugin.nested.push(Nested { node, place: child, used: Cell::new(false) });
-            } else if NESTED.contains(&tag) {
-                plugin.nested.push(Nested { node: child, place: child, used: Cell::new(false) });
-            } else {
-                plugin.add_parameter(child)?;
+        for child in node.children() {
+            let tag = child.tag();
+            if tag == "ref" || NESTED.contains(&tag) {
+                let node = if tag == "ref" { reader.referenced(child)? } else { child };
+                let name = child.attribute("name").map(value::snake_case);
+                plugin.nested.push(Nested { node, place: child, name, used: Cell::new(false) });
+            } else if let Err(error) = plugin.add_parameter(child) {
+                reader.forgive(error, "it is passed over")?;
             }
         }
         Ok(plugin)
     }
 
-    fn add_parameter(&mut self, node: Node<'d, 'd>) -> Result<(), LoadError> {
-        let (reader, tag) = (self.reader, node.tag_name().name());
+    fn add_parameter(&mut self, node: Node<'d>) -> Result<(), LoadError> {
         let text = |parse: &dyn Fn(&str) -> Result<Value, String>| {
-            reader.allow_attributes(node, &["name", "value"])?;
-            parse(&reader.substituted(node, "value")?).map_err(|m| reader.error_in(node, "value", m))
+            node.allow_attributes(&["name", "value"])?;
+            parse(node.required("value")?).map_err(|m| node.error_in("value", m))
         };
-        let value = match tag {
+        let value = match node.tag() {
             "float" => text(&|t| value::number(t).map(Value::Float))?,
             "integer" => text(&|t| value::integer(t).map(Value::Integer))?,
             "boolean" => text(&|t| value::boolean(t).map(Value::Boolean))?,
             "string" => text(&|t| Ok(Value::Text(t.to_owned())))?,
             "rgb" => text(&|t| value::colour(t).map(Value::Colour))?,
-            "point" | "vector" if node.has_attribute("value") => text(&|t| value::vector(t).map(Value::Vector))?,
+            "srgb" => text(&|t| value::srgb(t).map(Value::Colour))?,
+            "spectrum" if node.attribute("filename").is_some() => Value::Spectral(self.spectrum_file(node)?),
+            "spectrum" if node.attribute("type").is_some() => {
+                return Err(node.error_in("type", "a spectrum of a type is not supported; give it a `value`"));
+            }
+            "spectrum" => text(&|t| value::spectrum(t).map(Value::Spectral))?,
+            "point" | "vector" if node.attribute("value").is_some() => text(&|t| value::vector(t).map(Value::Vector))?,
             "point" | "vector" => {
-                reader.allow_attributes(node, &["name", "x", "y", "z"])?;
-                Value::Vector(transform::components(reader, node, 0.0)?)
+                node.allow_attributes(&["name", "x", "y", "z"])?;
+                Value::Vector(transform::components(node, 0.0)?)
             }
-            "transform" => Value::Transform(transform::transform(reader, node)?),
-            _ => {
-                let message = format!("<{}> is not supported here", abridged(tag));
-                return Err(reader.error(node, message));
-            }
+            "transform" => Value::Transform(transform::transform(node)?),
+            tag => return Err(node.error(format!("<{}> is not supported here", abridged(tag)))),
         };
-        let name = value::snake_case(reader.required(node, "name")?);
+        let name = value::snake_case(node.required("name")?);
         if self.parameters.iter().any(|p| p.name == name) {
-            return Err(reader.error(node, format!("the parameter `{name}` is given a second time")));
+            return Err(node.error(format!("the parameter `{}` is given a second time", abridged(&name))));
         }
         self.parameters.push(Given { name, value, node, used: Cell::new(false) });
         Ok(())
     }
 
+    fn spectrum_file(&self, node: Node<'d>) -> Result<Spectral, LoadError> {
+        node.allow_attributes(&["name", "filename"])?;
+        let wrong = |message| node.error_in("filename", message);
+        let path = self.reader.file(node.required("filename")?).map_err(wrong)?;
+        let bytes = read_file(&path, LARGEST_SPECTRUM)?;
+        value::spectrum_file(&String::from_utf8_lossy(&bytes)).map_err(wrong)
+    }
+
     /// An error at the plugin.
     pub(super) fn error(&self, message: impl Into<String>) -> LoadError {
-        self.reader.error(self.node, message)
+        self.node.error(message)
     }
 
     /// An error at a parameter, or at the plugin if the parameter is not given.
     pub(super) fn error_at(&self, name: &str, message: impl Into<String>) -> LoadError {
-        match self.parameters.iter().find(|p| p.name == name) {
-            Some(given) => self.reader.error_in(given.node, "value", message),
-            None => self.error(message),
+        if let Some(given) = self.parameters.iter().find(|p| p.name == name) {
+            return given.node.error_in("value", message);
         }
+        let nested = self.nested.iter().find(|n| n.name.as_deref() == Some(name));
+        nested.map_or(self.node, |n| n.place).error(message)
     }
 
     /// The error of a type that is not supported.
     pub(super) fn unknown_kind(&self, known: &[&str]) -> LoadError {
-        let tag = self.node.tag_name().name();
-        let kind = abridged(&self.kind);
-        let guess = suggestion(&self.kind, known.iter().copied());
-        let message = format!("the {tag} type `{kind}` is not supported{guess}; supported: {}", known.join(", "));
-        self.reader.error_in(self.node, "type", message)
+        let kind = abridged(self.kind);
+        let guess = suggestion(self.kind, known.iter().copied());
+        let message =
+            format!("the {} type `{kind}` is not supported{guess}; supported: {}", self.tag(), known.join(", "));
+        self.node.error_in("type", message)
     }
 
     fn get(&self, name: &'static str) -> Option<&Given<'d>> {
@@ -135,7 +167,7 @@ impl<'r, 'd> Plugin<'r, 'd> {
     }
 
     fn mistyped(&self, given: &Given, wanted: &str) -> LoadError {
-        self.reader.error(given.node, format!("the parameter `{}` is given by {wanted}", given.name))
+        given.node.error(format!("the parameter `{}` is given by {wanted}", abridged(&given.name)))
     }
 
     /// Whether a parameter is given.
@@ -147,7 +179,7 @@ impl<'r, 'd> Plugin<'r, 'd> {
     /// A number.
     pub(super) fn float(&self, name: &'static str) -> Result<Option<f64>, LoadError> {
         self.get(name).map_or(Ok(None), |given| match given.value {
-            Value::Float(v) => Ok(Some(v)),
+            Value::Float(v) | Value::Spectral(Spectral::Uniform(v)) => Ok(Some(v)),
             Value::Integer(v) => Ok(Some(v as f64)),
             _ => Err(self.mistyped(given, "<float>")),
         })
@@ -157,6 +189,14 @@ impl<'r, 'd> Plugin<'r, 'd> {
     pub(super) fn positive(&self, name: &'static str) -> Result<Option<f64>, LoadError> {
         match self.float(name)? {
             Some(v) if v <= 0.0 => Err(self.error_at(name, format!("the parameter `{name}` must be positive"))),
+            other => Ok(other),
+        }
+    }
+
+    /// A number that is not negative.
+    pub(super) fn not_negative(&self, name: &'static str) -> Result<Option<f64>, LoadError> {
+        match self.float(name)? {
+            Some(v) if v < 0.0 => Err(self.error_at(name, format!("the parameter `{name}` is negative"))),
             other => Ok(other),
         }
     }
@@ -210,19 +250,33 @@ impl<'r, 'd> Plugin<'r, 'd> {
         })
     }
 
-    /// A colour, by `<rgb>` or as a grey by `<float>`.
-    pub(super) fn colour(&self, name: &'static str) -> Result<Option<Rgb>, LoadError> {
+    /// A colour, by `<rgb>` or `<spectrum>`, or as a grey by `<float>`.
+    pub(super) fn colour(&self, name: &'static str, meaning: Meaning) -> Result<Option<Rgb>, LoadError> {
         let Some(given) = self.get(name) else { return Ok(None) };
-        match given.value {
-            Value::Colour(v) => Ok(Some(v)),
-            Value::Float(v) => value::grey_or_colour([v; 3]).map(Some).map_err(|m| self.error_at(name, m)),
-            _ => Err(self.mistyped(given, "<rgb> or <float>")),
+        let colour = match (&given.value, meaning) {
+            (Value::Colour(v), _) => *v,
+            (Value::Float(v), _) => {
+                return value::grey_or_colour([*v; 3]).map(Some).map_err(|m| self.error_at(name, m));
+            }
+            (Value::Integer(v), _) => {
+                return value::grey_or_colour([*v as f64; 3]).map(Some).map_err(|m| self.error_at(name, m));
+            }
+            (Value::Spectral(Spectral::Uniform(v)), Meaning::Emission) => uniform_emission(*v),
+            (Value::Spectral(Spectral::Uniform(v)), _) => Rgb::splat(*v as f32),
+            (Value::Spectral(Spectral::Points(s)), Meaning::Emission) => s.emission(),
+            (Value::Spectral(Spectral::Points(s)), Meaning::Reflectance) => s.reflectance(),
+            (Value::Spectral(Spectral::Points(s)), Meaning::Index) => s.index(),
+            _ => return Err(self.mistyped(given, "<rgb>, <spectrum> or <float>")),
+        };
+        match colour.is_valid() {
+            true => Ok(Some(colour)),
+            false => Err(self.error_at(name, format!("the parameter `{name}` is beyond single precision"))),
         }
     }
 
     /// A colour with components of at most 1.
     pub(super) fn reflectance(&self, name: &'static str) -> Result<Option<Rgb>, LoadError> {
-        match self.colour(name)? {
+        match self.colour(name, Meaning::Reflectance)? {
             Some(colour) if colour.max_element() > 1.0 => {
                 Err(self.error_at(name, format!("the parameter `{name}` has a component above 1")))
             }
@@ -238,27 +292,30 @@ impl<'r, 'd> Plugin<'r, 'd> {
         })
     }
 
-    /// The parameter `to_world`; the identity when it is not given.
-    pub(super) fn to_world(&self) -> Result<DAffine3, LoadError> {
-        self.get("to_world").map_or(Ok(DAffine3::IDENTITY), |given| match given.value {
-            Value::Transform(v) => Ok(v),
+    /// A transform.
+    pub(super) fn transform(&self, name: &'static str) -> Result<Option<DAffine3>, LoadError> {
+        self.get(name).map_or(Ok(None), |given| match given.value {
+            Value::Transform(v) => Ok(Some(v)),
             _ => Err(self.mistyped(given, "<transform>")),
         })
     }
 
-    /// A file that lies in the scene's folder, with the place of its name.
-    pub(super) fn file(&self, name: &'static str) -> Result<std::path::PathBuf, LoadError> {
+    /// The parameter `to_world`; the identity when it is not given.
+    pub(super) fn to_world(&self) -> Result<DAffine3, LoadError> {
+        Ok(self.transform("to_world")?.unwrap_or(DAffine3::IDENTITY))
+    }
+
+    /// A file that the parameter names.
+    pub(super) fn file(&self, name: &'static str) -> Result<PathBuf, LoadError> {
         let text = self.text(name)?.ok_or_else(|| {
-            self.error(format!("the {} type `{}` needs the parameter `{name}`", self.tag(), self.kind))
+            self.error(format!("the {} type `{}` needs the parameter `{name}`", self.tag(), abridged(self.kind)))
         })?;
-        let node = self.parameters.iter().find(|p| p.name == name).map_or(self.node, |p| p.node);
-        let byte = node.attribute_node("value").map_or(node.range().start, |a| a.range_value().start);
-        self.reader.file(byte, text)
+        self.reader.file(text).map_err(|m| self.error_at(name, m))
     }
 
     /// The nested elements of a kind (`bsdf`, `emitter` ...), each with the place where it is nested or referred to.
-    pub(super) fn nested(&self, tag: &str) -> Vec<(Node<'d, 'd>, Node<'d, 'd>)> {
-        let matching = self.nested.iter().filter(|n| n.node.has_tag_name(tag));
+    pub(super) fn nested(&self, tag: &str) -> Vec<(Node<'d>, Node<'d>)> {
+        let matching = self.nested.iter().filter(|n| n.node.tag() == tag);
         matching
             .map(|n| {
                 n.used.set(true);
@@ -268,54 +325,59 @@ impl<'r, 'd> Plugin<'r, 'd> {
     }
 
     /// The one nested element of a kind, if there is one.
-    pub(super) fn single(&self, tag: &str) -> Result<Option<Node<'d, 'd>>, LoadError> {
+    pub(super) fn single(&self, tag: &str) -> Result<Option<Node<'d>>, LoadError> {
         match self.nested(tag).as_slice() {
             [] => Ok(None),
             [(node, _)] => Ok(Some(*node)),
             [_, (_, second), ..] => {
-                let message = format!("the {} type `{}` takes one {tag} only", self.tag(), self.kind);
-                Err(self.reader.error(*second, message))
+                Err(second.error(format!("the {} type `{}` takes one {tag} only", self.tag(), abridged(self.kind))))
             }
         }
     }
 
-    fn tag(&self) -> &'d str {
-        self.node.tag_name().name()
+    /// The nested element of a kind that stands there for `name`.
+    pub(super) fn nested_as(&self, tag: &str, name: &'static str) -> Option<Node<'d>> {
+        if tag != "medium" {
+            self.asked.borrow_mut().push(name);
+        }
+        let found = self.nested.iter().find(|n| n.node.tag() == tag && n.name.as_deref() == Some(name))?;
+        found.used.set(true);
+        Some(found.node)
+    }
+
+    /// Its element's name.
+    pub(super) fn tag(&self) -> &'d str {
+        self.node.tag()
     }
 
     /// Refuses whatever was given and not asked for.
     pub(super) fn finish(&self) -> Result<(), LoadError> {
-        if let Some(nested) = self.nested.iter().find(|n| !n.used.get()) {
-            let inner = nested.node.tag_name().name();
-            let message = format!("the {} type `{}` takes no {}", self.tag(), self.kind, abridged(inner));
-            return Err(self.reader.error(nested.place, message));
+        for nested in self.nested.iter().filter(|n| !n.used.get()) {
+            let inner = abridged(nested.node.tag());
+            let message = match &nested.name {
+                Some(name) if inner == "texture" => self.unknown_parameter(name),
+                _ => format!("the {} type `{}` takes no {inner}", self.tag(), abridged(self.kind)),
+            };
+            self.reader.forgive(nested.place.error(message), "it is passed over")?;
         }
-        let Some(given) = self.parameters.iter().find(|p| !p.used.get()) else { return Ok(()) };
+        for given in self.parameters.iter().filter(|p| !p.used.get()) {
+            let error = given.node.error_in("name", self.unknown_parameter(&given.name));
+            self.reader.forgive(error, "it is passed over")?;
+        }
+        Ok(())
+    }
+
+    fn unknown_parameter(&self, name: &str) -> String {
         let mut known = self.asked.borrow().clone();
         known.sort_unstable();
         known.dedup();
-        let guess = suggestion(&given.name, known.iter().copied());
-        let message = format!(
-            "the {} type `{}` has no parameter `{}`{guess}; {}",
+        let guess = suggestion(name, known.iter().copied());
+        let known = if known.is_empty() { "it has none".to_owned() } else { format!("it has {}", known.join(", ")) };
+        format!(
+            "the {} type `{}` has no parameter `{}`{guess}; {known}",
             self.tag(),
-            self.kind,
-            abridged(&given.name),
-            if known.is_empty() { "it has none".to_owned() } else { format!("it has {}", known.join(", ")) }
-        );
-        Err(self.reader.error_in(given.node, "name", message))
+            abridged(self.kind),
+            abridged(name)
+        )
     }
-}
-
-/// The elements in an element, between which stands nothing but white space and comments.
-pub(super) fn elements<'d>(reader: &Reader<'d>, node: Node<'d, 'd>) -> Result<Vec<Node<'d, 'd>>, LoadError> {
-    let mut found = Vec::new();
-    for child in node.children() {
-        if child.is_element() {
-            found.push(child);
-        } else if child.is_text() && child.text().is_some_and(|t| !t.trim().is_empty()) {
-            let text = child.text().unwrap_or_default().trim();
-            return Err(reader.error(child, format!("the text `{}` has no meaning here", abridged(text))));
-        }
-    }
-    Ok(found)
 }

@@ -1,18 +1,22 @@
-//! The sensor with its film, filter and sampler.
+//! The sensor and its sampler.
 
-use super::{document::Reader, plugin::Plugin, value::number};
+use super::{
+    document::Reader,
+    film::{Film, film},
+    plugin::Plugin,
+    tree::Node,
+    value::number,
+};
 use crate::error::LoadError;
 use etendue_core::{
     camera::{CameraDescription, Projection},
     filter::Filter,
 };
-use glam::{DAffine3, UVec2};
-use roxmltree::Node;
+use glam::DAffine3;
 
-/// The largest width and height of a film.
-const LARGEST_SIDE: i64 = 1 << 16;
-/// The most pixels of a film.
-const MOST_PIXELS: i64 = 1 << 28;
+/// Samplers other than `independent`, of which the number of samples is taken.
+const SAMPLERS: [&str; 7] =
+    ["independent", "stratified", "multijitter", "orthogonal", "ldsampler", "halton", "hammersley"];
 
 /// What a sensor says.
 pub(super) struct Sensor {
@@ -22,24 +26,24 @@ pub(super) struct Sensor {
 }
 
 /// Reads the sensor.
-pub(super) fn sensor<'d>(
-    reader: &Reader<'d>,
-    node: Node<'d, 'd>,
-    notes: &mut Vec<String>,
-) -> Result<Sensor, LoadError> {
+pub(super) fn sensor<'d>(reader: &Reader<'d>, node: Node<'d>) -> Result<Sensor, LoadError> {
     let plugin = Plugin::new(reader, node)?;
-    let (resolution, filter) = match plugin.single("film")? {
-        Some(film) => self::film(&Plugin::new(reader, film)?, notes)?,
-        None => (UVec2::new(768, 576), Filter::Gaussian { stddev: 0.5 }),
+    let Film { resolution, crop, filter } = match plugin.single("film")? {
+        Some(film) => self::film(&Plugin::new(reader, film)?)?,
+        None => Film::default(),
     };
     let samples = match plugin.single("sampler")? {
-        Some(sampler) => self::sampler(&Plugin::new(reader, sampler)?, notes)?,
+        Some(sampler) => self::sampler(&Plugin::new(reader, sampler)?)?,
         None => 4,
     };
     let mut to_world = plugin.to_world()?;
     let aspect = f64::from(resolution.x) / f64::from(resolution.y);
-    let projection = match plugin.kind.as_str() {
-        "perspective" => Projection::Perspective { fov_x: fov_x(&plugin, aspect)? },
+    let projection = match plugin.kind {
+        "perspective" => {
+            // It matters to a lens only.
+            plugin.positive("focus_distance")?;
+            Projection::Perspective { fov_x: fov_x(&plugin, aspect)? }
+        }
         "thinlens" => {
             let aperture_radius = plugin.positive("aperture_radius")?;
             let missing = || plugin.error("the sensor type `thinlens` needs the parameter `aperture_radius`");
@@ -54,6 +58,7 @@ pub(super) fn sensor<'d>(
             }
         }
         "orthographic" => {
+            plugin.positive("focus_distance")?;
             // The film spans -1 to 1 in the camera's x.
             let scale = to_world.matrix3.x_axis.length();
             to_world.matrix3.x_axis /= scale;
@@ -64,20 +69,29 @@ pub(super) fn sensor<'d>(
         _ => return Err(plugin.unknown_kind(&["perspective", "thinlens", "orthographic"])),
     };
     if !rigid(to_world) {
-        return Err(plugin.error_at("to_world", "a camera may be turned and moved, not scaled or sheared"));
+        let turned = turned(to_world).filter(|_| plugin.kind != "orthographic");
+        match turned {
+            // The eye of a perspective is a point: scaling the same in each direction changes nothing.
+            Some(turned) => to_world = turned,
+            None => return Err(plugin.error_at("to_world", "a camera may be turned and moved, not scaled or sheared")),
+        }
     }
     for name in ["near_clip", "far_clip"] {
         if plugin.positive(name)?.is_some() {
-            notes.push(format!("the sensor's {name} has no effect: nothing is clipped"));
+            reader.note(format!("the sensor's {name} has no effect: nothing is clipped"));
         }
     }
     for name in ["principal_point_offset_x", "principal_point_offset_y", "shutter_open", "shutter_close"] {
         if plugin.float(name)?.is_some_and(|v| v != 0.0) {
-            return Err(plugin.error_at(name, format!("a `{name}` other than 0 is not supported")));
+            let error = plugin.error_at(name, format!("a `{name}` other than 0 is not supported"));
+            reader.forgive(error, "0 is taken")?;
         }
     }
+    if let Some((_, place)) = plugin.nested("medium").first() {
+        reader.forgive(place.error("a camera in a medium is not supported"), "the medium is left out")?;
+    }
     plugin.finish()?;
-    Ok(Sensor { camera: CameraDescription { projection, to_world, resolution, crop: None }, filter, samples })
+    Ok(Sensor { camera: CameraDescription { projection, to_world, resolution, crop }, filter, samples })
 }
 
 /// Whether the columns are of unit length and at right angles, to the digits that files carry.
@@ -86,8 +100,14 @@ fn rigid(to_world: DAffine3) -> bool {
     (m.transpose() * m - glam::DMat3::IDENTITY).to_cols_array().iter().all(|e| e.abs() <= 1e-3)
 }
 
+/// The transform without a scale that is the same in each direction, if it has no other.
+fn turned(mut to_world: DAffine3) -> Option<DAffine3> {
+    to_world.matrix3 *= to_world.matrix3.x_axis.length().recip();
+    rigid(to_world).then_some(to_world)
+}
+
 /// The horizontal field of view in radians.
-fn fov_x(plugin: &Plugin, aspect: f64) -> Result<f64, LoadError> {
+pub(super) fn fov_x(plugin: &Plugin, aspect: f64) -> Result<f64, LoadError> {
     let axis = plugin.word("fov_axis", &["x", "y", "diagonal", "smaller", "larger"])?.unwrap_or("x");
     let (fov, axis) = match (plugin.float("fov")?, plugin.text("focal_length")?) {
         (Some(_), Some(_)) => return Err(plugin.error_at("focal_length", "`focal_length` is given beside `fov`")),
@@ -115,57 +135,18 @@ fn fov_x(plugin: &Plugin, aspect: f64) -> Result<f64, LoadError> {
     Ok(fov_x)
 }
 
-fn film(plugin: &Plugin, notes: &mut Vec<String>) -> Result<(UVec2, Filter), LoadError> {
-    if plugin.kind != "hdrfilm" {
-        return Err(plugin.unknown_kind(&["hdrfilm"]));
-    }
-    let width = plugin.integer("width", 1..=LARGEST_SIDE)?.unwrap_or(768);
-    let height = plugin.integer("height", 1..=LARGEST_SIDE)?.unwrap_or(576);
-    if width * height > MOST_PIXELS {
-        return Err(plugin.error_at("width", format!("{width} x {height} is more than {MOST_PIXELS} pixels")));
-    }
-    // What Mitsuba would write; linear RGB is rendered whatever they say.
-    plugin.word("file_format", &["openexr", "exr", "rgbe", "pfm"])?;
-    plugin.word("component_format", &["float16", "float32", "uint32"])?;
-    plugin.word("pixel_format", &["rgb", "rgba"])?;
-    for name in ["banner", "compensate", "high_quality_edges"] {
-        plugin.boolean(name)?;
-    }
-    if plugin.boolean("sample_border")? == Some(true) {
-        notes.push("the film's sample_border has no effect: pixels are filtered by sampling".to_owned());
-    }
-    let filter = match plugin.single("rfilter")? {
-        Some(node) => rfilter(&Plugin::new(plugin.reader, node)?)?,
-        None => Filter::Gaussian { stddev: 0.5 },
-    };
-    plugin.finish()?;
-    Ok((UVec2::new(width as u32, height as u32), filter))
-}
-
-fn rfilter(plugin: &Plugin) -> Result<Filter, LoadError> {
-    let filter = match plugin.kind.as_str() {
-        "box" => {
-            if plugin.positive("radius")?.is_some_and(|r| r != 0.5) {
-                return Err(plugin.error_at("radius", "a box of a radius other than 0.5 is not supported"));
-            }
-            Filter::Box
-        }
-        "tent" => Filter::Tent { radius: plugin.positive("radius")?.unwrap_or(1.0) as f32 },
-        "gaussian" => Filter::Gaussian { stddev: plugin.positive("stddev")?.unwrap_or(0.5) as f32 },
-        _ => return Err(plugin.unknown_kind(&["box", "tent", "gaussian"])),
-    };
-    plugin.finish()?;
-    Ok(filter)
-}
-
-fn sampler(plugin: &Plugin, notes: &mut Vec<String>) -> Result<u32, LoadError> {
-    if plugin.kind != "independent" {
-        return Err(plugin.unknown_kind(&["independent"]));
+fn sampler(plugin: &Plugin) -> Result<u32, LoadError> {
+    if !SAMPLERS.contains(&plugin.kind) && plugin.kind != "sobol" {
+        plugin.reader.forgive(plugin.unknown_kind(&SAMPLERS), "its number of samples is taken")?;
     }
     let samples = plugin.integer("sample_count", 1..=i64::from(u32::MAX))?.unwrap_or(4) as u32;
     if plugin.integer("seed", 0..=i64::MAX)?.is_some() {
-        notes.push("the sampler's seed has no effect".to_owned());
+        plugin.reader.note("the sampler's seed has no effect");
     }
-    plugin.finish()?;
+    if plugin.kind == "independent" {
+        plugin.finish()?;
+    } else {
+        plugin.reader.note(format!("of the sampler `{}` only the number of samples is taken", plugin.kind));
+    }
     Ok(samples)
 }

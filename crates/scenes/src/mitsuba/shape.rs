@@ -1,32 +1,85 @@
-//! Shapes.
+//! Shapes, groups of shapes and their instances.
 
-use super::{Import, emitter::area_radiance, plugin::Plugin};
-use crate::{
-    cube::inward_cube,
-    error::{LoadError, read_file},
-    normals::vertex_normals,
-    obj, ply,
-};
+use super::{Import, ahead::MeshFile, emitter::area_radiance, medium::absorption, plugin::Plugin, tree::Node};
+use crate::{cube::inward_cube, error::LoadError, normals::vertex_normals};
 use etendue_core::{
     geometry::Mesh,
-    scene::{Object, ObjectShape},
+    scene::{Group, GroupInstance, Object, ObjectShape},
 };
 use glam::{DAffine3, DVec3, Vec3};
-use roxmltree::Node;
 
-const KINDS: [&str; 6] = ["rectangle", "cube", "sphere", "disk", "obj", "ply"];
+const KINDS: [&str; 10] =
+    ["rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance"];
 
 impl<'d> Import<'_, 'd> {
-    /// Adds a shape with its material and, for a light, what it emits.
-    pub(super) fn shape(&mut self, node: Node<'d, 'd>) -> Result<(), LoadError> {
+    /// Adds a shape of the scene.
+    pub(super) fn shape(&mut self, node: Node<'d>) -> Result<(), LoadError> {
         let plugin = Plugin::new(self.reader, node)?;
-        let name = match node.attribute("id") {
-            Some(id) => id.to_owned(),
-            None => format!("{} in line {}", plugin.kind, self.reader.line(node)),
+        match plugin.kind {
+            "shapegroup" => self.group(&plugin).map(drop),
+            "instance" => self.instance(&plugin),
+            _ => {
+                let object = self.object(&plugin)?;
+                self.description.objects.push(object);
+                Ok(())
+            }
+        }
+    }
+
+    /// The index of a group of shapes, which is read once.
+    fn group(&mut self, plugin: &Plugin<'_, 'd>) -> Result<usize, LoadError> {
+        if let Some(index) = self.groups.get(&plugin.node.key()) {
+            return Ok(*index);
+        }
+        let mut objects = Vec::new();
+        for (node, place) in plugin.nested("shape") {
+            let inner = Plugin::new(self.reader, node)?;
+            if matches!(inner.kind, "shapegroup" | "instance") {
+                let error = place.error(format!("a group of shapes holds no `{}`", inner.kind));
+                self.reader.forgive(error, "it is left out")?;
+                continue;
+            }
+            let object = self.object(&inner);
+            let Some(object) = self.reader.forgiven(object, "the shape is left out")? else { continue };
+            if object.emission.is_some() {
+                let error = place.error("a shape in a group emits light, which is not supported");
+                self.reader.forgive(error, "it is left out")?;
+                continue;
+            }
+            objects.push(object);
+        }
+        plugin.transform("to_world")?.map_or(Ok(()), |_| {
+            let error = plugin.error_at("to_world", "a group of shapes has no place of its own; its instances have");
+            self.reader.forgive(error, "it is passed over")
+        })?;
+        plugin.finish()?;
+        self.description.groups.push(Group { name: plugin.node.called(), objects });
+        let index = self.description.groups.len() - 1;
+        self.groups.insert(plugin.node.key(), index);
+        Ok(index)
+    }
+
+    fn instance(&mut self, plugin: &Plugin<'_, 'd>) -> Result<(), LoadError> {
+        let to_world = plugin.to_world()?;
+        let [(node, place)] = plugin.nested("shape")[..] else {
+            return Err(plugin.error("the shape type `instance` needs one group of shapes"));
         };
+        let group = Plugin::new(self.reader, node)?;
+        if group.kind != "shapegroup" {
+            return Err(place.error(format!("an instance is of a `shapegroup`, not of a `{}`", group.kind)));
+        }
+        let group = self.group(&group)?;
+        plugin.finish()?;
+        self.description.instances.push(GroupInstance { group, to_world });
+        Ok(())
+    }
+
+    /// A shape with its material and, for a light, what it emits.
+    fn object(&mut self, plugin: &Plugin<'_, 'd>) -> Result<Object, LoadError> {
+        let name = plugin.node.called();
         let mut to_world = plugin.to_world()?;
         let flip = plugin.boolean("flip_normals")?.unwrap_or(false);
-        let shape = match plugin.kind.as_str() {
+        let mut shape = match plugin.kind {
             "rectangle" | "disk" => {
                 if flip {
                     // Mitsuba mirrors z, which leaves the shape and turns its normal.
@@ -42,31 +95,70 @@ impl<'d> Import<'_, 'd> {
                 // In Mitsuba a reflection turns a sphere's normals, unlike other shapes'.
                 let reflected = to_world.matrix3.determinant() < 0.0;
                 if reflected {
-                    self.notes.push(format!("{name}: its transform reflects, which turns a sphere's normals"));
+                    self.reader.note(format!("{name}: its transform reflects, which turns a sphere's normals"));
                 }
                 ObjectShape::Sphere { center, radius, inverted: flip != reflected }
             }
-            "obj" | "ply" => ObjectShape::Mesh(mesh(&plugin, flip)?),
+            "cylinder" => {
+                let from = plugin.vector("p0")?.unwrap_or(DVec3::ZERO);
+                let to = plugin.vector("p1")?.unwrap_or(DVec3::Z);
+                let radius = plugin.positive("radius")?.unwrap_or(1.0);
+                if from == to {
+                    return Err(plugin.error("the ends `p0` and `p1` of the cylinder are the same"));
+                }
+                ObjectShape::Cylinder { from, to, radius, inverted: flip }
+            }
+            "obj" => ObjectShape::Mesh(mesh(plugin, MeshFile::Obj, flip)?),
+            "ply" => ObjectShape::Mesh(mesh(plugin, MeshFile::Ply, flip)?),
+            "serialized" => {
+                let index = plugin.integer("shape_index", 0..=i64::from(u32::MAX))?.unwrap_or(0);
+                ObjectShape::Mesh(mesh(plugin, MeshFile::Serialized(index as usize), flip)?)
+            }
             _ => return Err(plugin.unknown_kind(&KINDS)),
         };
-        let material = self.materials.of_shape(plugin.single("bsdf")?, &name)?;
-        let emission = match plugin.single("emitter")? {
-            Some(emitter) => Some(area_radiance(self.reader, emitter)?.into()),
+        let emitter = plugin.single("emitter")?;
+        let met = self.reader.images.vertex_colors();
+        let emission = match emitter {
+            Some(emitter) => {
+                let read = area_radiance(self.reader, emitter);
+                self.reader.forgiven(read, "it emits nothing")?
+            }
             None => None,
         };
+        let emits_colors = self.reader.images.vertex_colors() > met;
+        let material = self.materials.of_shape(plugin.single("bsdf")?, &name, emission.is_some())?;
+        if material.vertex_colors || emits_colors {
+            self.check_colors(plugin, &mut shape, material.vertex_colors)?;
+        }
+        let absorption = absorption(plugin)?;
         plugin.finish()?;
-        self.description.objects.push(Object { name, shape, to_world, material, emission, absorption: None });
+        Ok(Object { name, shape, to_world, material: material.index, emission, absorption })
+    }
+
+    /// A material or light that takes vertex colours needs some, a material such as a surface may have.
+    fn check_colors(&self, plugin: &Plugin<'_, 'd>, shape: &mut ObjectShape, reflects: bool) -> Result<(), LoadError> {
+        let ObjectShape::Mesh(mesh) = shape else {
+            let error = plugin.error(format!("a `{}` has no vertex colours, which its texture asks for", plugin.kind));
+            return self.reader.forgive(error, "they count as white");
+        };
+        if mesh.colors.is_empty() && !mesh.positions.is_empty() {
+            let error = plugin.error("the mesh has no vertex colours, which its texture asks for");
+            return self.reader.forgive(error, "they count as white");
+        }
+        let above = mesh.colors.iter().filter(|c| c.max_element() > 1.0).count();
+        if reflects && above > 0 {
+            mesh.colors.iter_mut().for_each(|c| *c = c.map(|v| v.min(1.0)));
+            self.reader
+                .note(format!("{}: {above} vertex colours are above 1 and are moved there", plugin.node.called()));
+        }
         Ok(())
     }
 }
 
 /// A mesh from a file, with the normals that Mitsuba would give it; a normal of zero length gives way to a computed one.
-fn mesh(plugin: &Plugin, flip: bool) -> Result<Mesh, LoadError> {
+fn mesh(plugin: &Plugin, kind: MeshFile, flip: bool) -> Result<Mesh, LoadError> {
     let path = plugin.file("filename")?;
-    let is_obj = plugin.kind == "obj";
-    let bytes = read_file(&path, if is_obj { obj::LARGEST_FILE } else { ply::LARGEST_FILE })?;
-    let read = if is_obj { obj::read(&bytes) } else { ply::read(&bytes) };
-    let mut mesh = read.map_err(|flaw| flaw.of(&path))?;
+    let mut mesh = plugin.reader.ahead.mesh(kind, path)?;
     if plugin.boolean("face_normals")?.unwrap_or(false) {
         mesh.normals.clear();
     } else if mesh.normals.is_empty() {
@@ -76,7 +168,7 @@ fn mesh(plugin: &Plugin, flip: bool) -> Result<Mesh, LoadError> {
         mesh.normals.iter_mut().zip(fallback).filter(|(n, _)| **n == Vec3::ZERO).for_each(|(n, f)| *n = f);
     }
     // Mitsuba's default is to flip for OBJ alone.
-    if plugin.boolean("flip_tex_coords")?.unwrap_or(is_obj) {
+    if plugin.boolean("flip_tex_coords")?.unwrap_or(kind == MeshFile::Obj) {
         mesh.uvs.iter_mut().for_each(|uv| uv.y = 1.0 - uv.y);
     }
     if flip {

@@ -1,14 +1,24 @@
 //! Damaged input: truncated anywhere, with bytes changed anywhere, it gives a result or an error and never a panic. What is read
 //! holds no more memory than a small multiple of the input; that claims beyond it are refused is tested with the readers.
 
-use crate::meshes::{ASCII_PLY, OBJ, binary_ply, exr_bytes};
-use etendue_core::geometry::Mesh;
-use etendue_scenes::{image_file::read_exr, load, obj, ply};
+use crate::{
+    images::encoded,
+    meshes::{ASCII_PLY, OBJ, binary_ply, exr_bytes},
+};
+use etendue_core::{geometry::Mesh, rgb::Rgb, texture::Bitmap};
+use etendue_scenes::{
+    Flaw, LoadOptions,
+    image_file::{Coding, decode, read_exr},
+    load, load_with, obj, ply,
+};
+use image::ImageFormat;
 use proptest::prelude::*;
 
 /// The memory that a mesh holds, in bytes.
 fn held(mesh: &Mesh) -> usize {
-    12 * (mesh.positions.capacity() + mesh.normals.capacity() + mesh.triangles.capacity()) + 8 * mesh.uvs.capacity()
+    let threes =
+        mesh.positions.capacity() + mesh.normals.capacity() + mesh.triangles.capacity() + mesh.colors.capacity();
+    12 * threes + 8 * mesh.uvs.capacity()
 }
 
 /// Cuts `bytes` and changes some of them.
@@ -40,8 +50,30 @@ fn xml() -> String {
      name=\"sample_count\" value=\"$spp\"/></sampler></sensor>\n<bsdf type=\"twosided\" id=\"a\"><bsdf type=\"diffuse\">\
      <rgb name=\"reflectance\" value=\".1 .2 .3\"/></bsdf></bsdf>\n<shape type=\"cube\"><ref id=\"a\"/><transform \
      name=\"to_world\"><scale value=\"2\"/><rotate y=\"1\" angle=\"30\"/></transform></shape>\n<emitter \
-     type=\"constant\"/>\n</scene>\n"
+     type=\"constant\"/>\n<include filename=\"part.xml\"/>\n<shape type=\"instance\"><ref id=\"g\"/></shape>\n\
+     <shape type=\"sphere\"><ref id=\"b\"/><medium name=\"interior\" type=\"homogeneous\"><float name=\"albedo\" \
+     value=\"0\"/><spectrum name=\"sigma_t\" value=\"400:1, 700:2\"/></medium></shape>\n</scene>\n"
         .to_owned()
+}
+
+/// What [`xml`] includes.
+fn part() -> String {
+    "<scene version=\"3.0.0\">\n<default name=\"spp\" value=\"8\"/><default name=\"k\" value=\"checkerboard\"/>\n<shape \
+     type=\"shapegroup\" id=\"g\"><shape type=\"cylinder\"><point name=\"p1\" value=\"0 0 2\"/></shape></shape>\n<bsdf \
+     type=\"bumpmap\" id=\"b\"><texture name=\"t\" type=\"$k\"><transform name=\"to_uv\"><scale x=\"3\"/></transform>\
+     </texture><bsdf type=\"mask\"><texture name=\"opacity\" type=\"bitmap\"><string name=\"filename\" value=\"q.png\"/>\
+     </texture><bsdf type=\"roughplastic\"><rgb name=\"diffuse_reflectance\" value=\"#102030\"/></bsdf></bsdf></bsdf>\n\
+     <alias id=\"b\" as=\"c\"/>\n</scene>\n"
+        .to_owned()
+}
+
+/// A folder with what [`xml`] names, and the two files as given.
+fn folder(xml: &[u8], part: &[u8]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("q.png"), encoded(ImageFormat::Png, true)).unwrap();
+    std::fs::write(folder.path().join("part.xml"), part).unwrap();
+    std::fs::write(folder.path().join("s.xml"), xml).unwrap();
+    folder
 }
 
 #[test]
@@ -50,10 +82,21 @@ fn the_undamaged_inputs_are_good() {
     ply::read(ASCII_PLY.as_bytes()).unwrap();
     obj::read(OBJ.as_bytes()).unwrap();
     read_exr(&sample_exr()).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("s.xml");
-    std::fs::write(&path, xml()).unwrap();
-    load(path.to_str().unwrap()).unwrap();
+    let folder = folder(xml().as_bytes(), part().as_bytes());
+    load(folder.path().join("s.xml").to_str().unwrap()).unwrap();
+    for format in IMAGES {
+        decode(&encoded(format, false), NAMELESS.as_ref(), Coding::Srgb)
+            .or_else(|_| tga(&encoded(format, false)))
+            .unwrap();
+    }
+}
+
+const IMAGES: [ImageFormat; 4] = [ImageFormat::Png, ImageFormat::Bmp, ImageFormat::Tga, ImageFormat::Hdr];
+const NAMELESS: &str = "image";
+
+/// Targa files say what they are by their name alone.
+fn tga(bytes: &[u8]) -> Result<Bitmap<Rgb>, Flaw> {
+    decode(bytes, "image.tga".as_ref(), Coding::Linear)
 }
 
 fn sample_exr() -> Vec<u8> {
@@ -111,13 +154,33 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1500) })]
 
     #[test]
-    fn damaged_xml(cut in cut(), changes in changes()) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("s.xml");
-        std::fs::write(&path, damaged(xml().as_bytes(), cut, &changes)).unwrap();
-        if let Ok(scene) = load(path.to_str().unwrap()) {
-            prop_assert!(scene.description.camera.is_some_and(|c| c.to_world.is_finite()));
-            prop_assert!(scene.description.objects.iter().all(|o| o.to_world.is_finite()));
+    fn damaged_xml(cut in cut(), changes in changes(), lenient in any::<bool>()) {
+        let folder = folder(&damaged(xml().as_bytes(), cut, &changes), part().as_bytes());
+        sound(&folder, lenient)?;
+    }
+
+    #[test]
+    fn damaged_inclusions(cut in cut(), changes in changes(), lenient in any::<bool>()) {
+        let folder = folder(xml().as_bytes(), &damaged(part().as_bytes(), cut, &changes));
+        sound(&folder, lenient)?;
+    }
+
+    #[test]
+    fn damaged_images(format in 0..IMAGES.len(), cut in cut(), changes in changes()) {
+        let bytes = damaged(&encoded(IMAGES[format], true), cut, &changes);
+        let read = [decode(&bytes, NAMELESS.as_ref(), Coding::Gamma(2.2)), tga(&bytes)];
+        for bitmap in read.into_iter().flatten() {
+            prop_assert_eq!(bitmap.texels.len(), bitmap.width as usize * bitmap.height as usize);
+            prop_assert!(bitmap.texels.len() <= 1032 * bytes.len());
         }
     }
+}
+
+fn sound(folder: &tempfile::TempDir, lenient: bool) -> Result<(), TestCaseError> {
+    let options = LoadOptions { lenient, ..LoadOptions::default() };
+    if let Ok(scene) = load_with(folder.path().join("s.xml").to_str().unwrap(), options) {
+        prop_assert!(scene.description.camera.is_some_and(|c| c.to_world.is_finite()));
+        prop_assert!(scene.description.objects.iter().all(|o| o.to_world.is_finite()));
+    }
+    Ok(())
 }

@@ -14,7 +14,7 @@ fn names_and_parameters() {
         (
             "cornel",
             "unknown scene `cornel` (did you mean `cornell`?); built-in scenes are cornell, furnace, veach-mis, \
-             glass-caustic, ring, ajar-door, many-lights, sky, and a path to a .xml file is a scene too",
+             glass-caustic, ring, ajar-door, many-lights, sky, and a path to a .xml, .gltf or .glb file is a scene too",
         ),
         ("many-lights:m=3", "scene `many-lights` has no parameter `m`; it has n, seed"),
         ("many-lights:sed=3", "scene `many-lights` has no parameter `sed` (did you mean `seed`?); it has n, seed"),
@@ -25,8 +25,11 @@ fn names_and_parameters() {
         ("furnace:reflectance=1", "scene `furnace`: parameter reflectance: `1` is not a number from 0 to 0.999"),
         ("furnace:reflectance=nan", "scene `furnace`: parameter reflectance: `nan` is not a number from 0 to 0.999"),
         ("furnace:room=tent", "scene `furnace`: parameter room: `tent` is not one of box, sphere"),
-        ("a.gltf/b", "a.gltf/b: scenes are read from Mitsuba's .xml files; `no extension` is not supported"),
-        ("some/scene.pbrt", "some/scene.pbrt: scenes are read from Mitsuba's .xml files; `.pbrt` is not supported"),
+        ("a.gltf/b", "a.gltf/b: scenes are read from .xml, .gltf and .glb files; `no extension` is not supported"),
+        (
+            "some/scene.pbrt",
+            "some/scene.pbrt: scenes are read from .xml, .gltf and .glb files; `.pbrt` is not supported",
+        ),
     ] {
         assert_eq!(message(spec), expected);
     }
@@ -65,7 +68,7 @@ fn places_in_scene_files() {
         (
             "<shape type=\"rectangl\"/>",
             "4:14: the shape type `rectangl` is not supported (did you mean `rectangle`?); supported: rectangle, cube, \
-             sphere, disk, obj, ply",
+             sphere, disk, cylinder, obj, ply, serialized, shapegroup, instance",
         ),
         (
             "<shape type=\"sphere\">\n  <float name=\"radios\" value=\"1\"/>\n</shape>",
@@ -101,11 +104,12 @@ fn places_in_scene_files() {
         ),
         (
             "<emitter type=\"area\"/>",
-            "4:16: the emitter type `area` is not supported; supported: constant, envmap, point, spot, directional",
+            "4:16: the emitter type `area` is not supported; supported: constant, envmap, sunsky, sun, sky, \
+             point, spot, projector, directional",
         ),
         (
             "<emitter type=\"constant\"/>\n<emitter type=\"constant\"/>",
-            "5:1: a second environment; a scene has one `constant` or `envmap` at most",
+            "5:1: a second environment; a scene has one `constant`, `envmap` or sky at most",
         ),
         (
             "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.5, 1.5, 0\"/></bsdf>",
@@ -120,14 +124,19 @@ fn places_in_scene_files() {
             "4:46: <rgb> has no attribute `valeu` (did you mean `value`?); it has name, value",
         ),
         ("<bsdf type=\"diffuse\"><rgb value=\"1\"/></bsdf>", "4:22: <rgb> lacks the attribute `name`"),
-        ("<bsdf type=\"diffuse\"><texture type=\"bitmap\"/></bsdf>", "4:22: <texture> is not supported here"),
+        ("<bsdf type=\"diffuse\"><texture type=\"bitmap\"/></bsdf>", "4:22: the bsdf type `diffuse` takes no texture"),
         (
-            "<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"red\"/></bsdf>",
-            "4:22: the parameter `reflectance` is given by <rgb> or <float>",
+            "<bsdf type=\"diffuse\"><texture name=\"reflektance\" type=\"bitmap\"/></bsdf>",
+            "4:22: the bsdf type `diffuse` has no parameter `reflektance` (did you mean `reflectance`?); it has \
+             diffuse_reflectance, reflectance",
         ),
         (
-            "<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/></bsdf>",
-            "4:55: the conductor `Au` is not known by name; give `eta` and `k`, or the material `none` for a mirror",
+            "<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"red\"/></bsdf>",
+            "4:22: the parameter `reflectance` is given by <rgb>, <spectrum> or <float>",
+        ),
+        (
+            "<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/><float name=\"eta\" value=\"1\"/><float name=\"k\" value=\"1\"/></bsdf>",
+            "4:55: `material` is given beside `eta` and `k`",
         ),
         (
             "<bsdf type=\"roughconductor\"><float name=\"alpha\" value=\"1.5\"/></bsdf>",
@@ -139,12 +148,12 @@ fn places_in_scene_files() {
         ),
         (
             "<bsdf type=\"twosided\"><bsdf type=\"dielectric\"/></bsdf>",
-            "4:23: a dielectric cannot be twosided: it has both sides already",
+            "4:23: a BSDF that lets light through cannot be twosided: it has both sides already",
         ),
         ("<integrator type=\"path\"/>", "4:1: a second <integrator>; a scene has one"),
         ("<medium type=\"homogeneous\"/>", "4:1: <medium> is not supported in a scene"),
         ("<shape type=\"cube\">stray</shape>", "4:20: the text `stray` has no meaning here"),
-        ("<shape type=\"$kind\"/>", "4:14: `$kind` has no <default>"),
+        ("<shape type=\"$kind\"/>", "4:14: `$kind` has no <default> before it"),
         (
             "<default name=\"a\" value=\"1\"/>\n<default name=\"a\" value=\"2\"/>",
             "5:1: the default `a` is set a second time",
@@ -214,22 +223,26 @@ fn settings_of_sensor_and_integrator() {
     let film = |inner: &str| {
         with(path, &format!("<sensor type=\"perspective\"><film type=\"hdrfilm\">{inner}</film></sensor>"))
     };
+    assert_eq!(
+        with("<integrator type=\"pahth\"/>", pinhole),
+        ":2:19: the integrator type `pahth` is not supported (did you mean `path`?); supported: path, volpath, direct, \
+         ptracer, bdpt, moment, aov"
+    );
     assert_eq!(film("<integer name=\"width\" value=\"0\"/>"), ":3:78: the parameter `width` is 0, not from 1 to 65536");
     assert_eq!(
         film("<rfilter type=\"mitchell\"/>"),
         ":3:64: the rfilter type `mitchell` is not supported; supported: box, tent, gaussian"
     );
-    assert_eq!(
-        film("<string name=\"pixel_format\" value=\"xyz\"/>"),
-        ":3:84: the parameter `pixel_format` is `xyz`, none of rgb, rgba"
-    );
+    let crop = "<integer name=\"width\" value=\"8\"/><integer name=\"crop_offset_x\" value=\"1\"/>";
+    assert_eq!(film(crop), ":3:28: a crop of 8 x 576 at 1, 0 leaves the film of 8 x 576");
     assert_eq!(
         with(path, "<sensor type=\"perspective\"><float name=\"fov\" value=\"180\"/></sensor>"),
         ":3:53: the field of view is not between 0 and 180 degrees"
     );
     assert_eq!(
-        with(path, "<sensor type=\"perspective\"><sampler type=\"halton\"/></sensor>"),
-        ":3:43: the sampler type `halton` is not supported; supported: independent"
+        with(path, "<sensor type=\"perspective\"><sampler type=\"haltom\"/></sensor>"),
+        ":3:43: the sampler type `haltom` is not supported (did you mean `halton`?); supported: independent, stratified, \
+         multijitter, orthogonal, ldsampler, halton, hammersley"
     );
 }
 
@@ -248,7 +261,9 @@ fn files_that_a_scene_names() {
     let shape = |kind: &str, file: &str| {
         flaw_in(&folder, &format!("<shape type=\"{kind}\"><string name=\"filename\" value=\"{file}\"/></shape>"))
     };
-    let outside = |file: &str| format!("4:50: the file `{file}` lies outside of the scene's folder, which is refused");
+    let outside = |file: &str| {
+        format!("4:50: the file `{file}` lies outside of the scene's folder, which is refused without --allow-outside")
+    };
     assert_eq!(shape("obj", "../secret.obj"), outside("../secret.obj"));
     assert_eq!(shape("obj", "a/../../secret.obj"), outside("a/../../secret.obj"));
     assert_eq!(shape("obj", "/etc/passwd"), outside("/etc/passwd"));

@@ -3,6 +3,13 @@
 mod builtins;
 mod damage;
 mod errors;
+mod files;
+mod images;
+mod language;
+mod lenient;
+mod lights;
+mod materials;
 mod meshes;
 mod mitsuba;
 mod shared_files;
+mod textures;

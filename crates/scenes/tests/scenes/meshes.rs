@@ -1,11 +1,7 @@
 //! Mesh files and images: what is read, and what is said when it is wrong.
 
-use etendue_core::geometry::Mesh;
-use etendue_scenes::{
-    Flaw, Place,
-    image_file::{self, read_exr},
-    obj, ply,
-};
+use etendue_core::{geometry::Mesh, rgb::Rgb};
+use etendue_scenes::{Flaw, Place, image_file::read_exr, obj, ply};
 use glam::{Vec2, Vec3};
 use std::io::Cursor;
 
@@ -128,6 +124,25 @@ fn ply_flaws_have_their_place() {
 }
 
 #[test]
+fn ply_colours() {
+    let with = |kind: &str, names: [&str; 3], values: &str| {
+        let properties: String = names.iter().map(|n| format!("property {kind} {n}\n")).collect();
+        let text = ASCII_PLY.replace("element face", &format!("{properties}element face"));
+        let vertices = text.split_once("end_header\n").unwrap().1.lines().take(4);
+        let body: String = vertices.map(|line| format!("{line} {values}\n")).collect();
+        let header = text.split_once("end_header\n").unwrap().0;
+        ply::read(format!("{header}end_header\n{body}3 0 1 2\n3 0 2 3\n").as_bytes())
+    };
+    let (short, long) = (["r", "g", "b"], ["red", "green", "blue"]);
+    assert_eq!(with("float", short, ".1 .2 3").unwrap().colors, vec![Rgb::new(0.1, 0.2, 3.0); 4]);
+    assert_eq!(with("uchar", long, "255 0 51").unwrap().colors, vec![Rgb::new(1.0, 0.0, 0.2); 4]);
+    assert_eq!(with("ushort", long, "65535 0 0").unwrap().colors, vec![Rgb::new(1.0, 0.0, 0.0); 4]);
+    assert!(with("float", ["r", "g", "y"], "1 1 1").unwrap().colors.is_empty());
+    let flaw = with("float", short, "1 -1 1").unwrap_err();
+    assert_eq!((flaw.place, flaw.message.as_str()), (Place::Line(16), "the vertex's g is negative"));
+}
+
+#[test]
 fn obj_corners_are_merged() {
     let mesh = obj::read(OBJ.as_bytes()).unwrap();
     let (positions, triangles) = expected_quad();
@@ -228,14 +243,6 @@ fn a_huge_claim_is_refused_before_it_is_believed() {
     bytes[at + 8..at + 16].copy_from_slice(&[0xff, 0x1f, 0, 0, 0xff, 0x1f, 0, 0]);
     let flaw = read_exr(&bytes).unwrap_err();
     assert!(flaw.message.starts_with("the header claims 8192 x 8192 texels, too many for "), "{}", flaw.message);
-}
-
-#[test]
-fn images_of_other_kinds_are_refused() {
-    let error = image_file::read("sky.hdr".as_ref()).unwrap_err().to_string();
-    assert_eq!(error, "sky.hdr: images are read from .exr files only");
-    let flaw = read_exr(b"not an image").unwrap_err();
-    assert!(flaw.message.starts_with("not a readable OpenEXR image: "), "{}", flaw.message);
 }
 
 #[test]

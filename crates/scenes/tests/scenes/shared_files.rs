@@ -6,10 +6,11 @@ use etendue_core::{
     lights::environment::{Environment, Rows},
     scene::ObjectShape,
 };
-use etendue_scenes::{LoadedScene, load};
+use etendue_scenes::{LoadError, LoadOptions, LoadedScene, load, load_with};
 use std::path::PathBuf;
 
-fn shared(name: &str) -> Option<LoadedScene> {
+/// A path of what others made, if it is there.
+fn place(name: &str) -> Option<PathBuf> {
     let root = std::env::var_os("ETENDUE_SHARED")
         .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared")), PathBuf::from);
     let path = root.join(name);
@@ -17,7 +18,15 @@ fn shared(name: &str) -> Option<LoadedScene> {
         eprintln!("skipped: {} is not there (set ETENDUE_SHARED)", path.display());
         return None;
     }
-    Some(load(path.to_str().unwrap()).unwrap_or_else(|e| panic!("{e}")))
+    Some(path)
+}
+
+fn shared(name: &str) -> Option<LoadedScene> {
+    Some(load(place(name)?.to_str().unwrap()).unwrap_or_else(|e| panic!("{e}")))
+}
+
+fn shared_with(name: &str, options: LoadOptions) -> Option<Result<LoadedScene, LoadError>> {
+    Some(load_with(place(name)?.to_str().unwrap(), options))
 }
 
 /// Objects, objects that emit, materials, triangles of meshes from files.
@@ -75,5 +84,82 @@ fn published_scenes_load() {
         assert_eq!(scene.max_depth, max_depth, "{name}");
         assert_eq!(scene.filter, Filter::Tent { radius: 1.0 });
         assert_eq!(scene.description.camera.unwrap().resolution.to_array(), resolution);
+    }
+}
+
+/// Triangles as Mitsuba 3.9.1 counts them, where the folder's SOURCE.txt says so.
+#[test]
+fn whole_scenes_load() {
+    for (name, expected, max_depth, resolution, lit_from_afar) in [
+        ("staircase", (775, 1, 25, 262_661), 65, [720, 1280], false),
+        ("living-room", (65, 0, 19, 143_163), 65, [1280, 720], true),
+        ("classroom", (79, 0, 44, 103_832), 65, [1280, 720], true),
+        ("teapot-env", (3, 0, 2, 126_048), 30, [1280, 720], true),
+        ("manylights-pbrt", (901, 880, 22, 0), 16, [800, 800], false),
+    ] {
+        let Some(scene) = shared(&format!("scenes/{name}/scene.xml")) else { return };
+        assert_eq!(counts(&scene), expected, "{name}");
+        assert_eq!(scene.max_depth, max_depth, "{name}");
+        assert_eq!(scene.description.camera.as_ref().unwrap().resolution.to_array(), resolution, "{name}");
+        assert_eq!(scene.description.environment.is_some(), lit_from_afar, "{name}");
+        // The staircase has a bump map that no shape uses.
+        let expected: &[&str] =
+            if name == "staircase" { &["the BSDF `without an id` is not used by a shape directly"] } else { &[] };
+        assert_eq!(scene.notes, expected, "{name}");
+    }
+}
+
+#[test]
+fn daylight_loads() {
+    let Some(scene) = shared("scenes/classroom/scene_sunsky.xml") else { return };
+    assert!(matches!(scene.description.environment, Some(Environment::LatLong { rows: Rows::Centred, .. })));
+    assert_eq!(scene.notes.len(), 1, "{:?}", scene.notes);
+}
+
+/// Files of version 0.6 whose meshes are not there: refused for it, and leniently without those meshes.
+#[test]
+fn older_files_load_as_far_as_their_files_are_there() {
+    for name in ["living-room", "classroom"] {
+        let name = format!("scenes/{name}/scene_v0.6_orig.xml");
+        let Some(strict) = shared_with(&name, LoadOptions::default()) else { return };
+        assert!(strict.is_err());
+        let options = LoadOptions { lenient: true, ..LoadOptions::default() };
+        let scene = shared_with(&name, options).unwrap().unwrap_or_else(|e| panic!("{e}"));
+        assert!(scene.description.environment.is_some(), "{name}");
+        assert!(scene.notes.iter().any(|n| n.contains("sppm")), "{name}: {:?}", scene.notes);
+        assert!(scene.notes.iter().any(|n| n.contains("cannot read the file `models/")), "{name}");
+    }
+}
+
+#[test]
+fn scenes_of_every_feature_load() {
+    let Some(root) = place("scenes/mitsuba-feature-tests") else { return };
+    let mut files = Vec::new();
+    let mut folders = vec![root];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() && path.file_name().is_some_and(|n| n != "fragments") {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "xml") {
+                files.push(path);
+            }
+        }
+    }
+    assert_eq!(files.len(), 25);
+    for path in files {
+        let spec = path.to_str().unwrap();
+        let outside = LoadOptions { outside_folder: true, ..LoadOptions::default() };
+        let scene = load_with(spec, outside).unwrap_or_else(|e| panic!("{e}"));
+        let d = &scene.description;
+        assert!(d.camera.is_some() && !(d.objects.is_empty() && d.instances.is_empty()), "{spec}");
+        assert!(
+            d.environment.is_some() || !d.lights.is_empty() || d.objects.iter().any(|o| o.emission.is_some()),
+            "{spec}"
+        );
+        // What they share lies beside them, except for the Cornell boxes and what has no file.
+        if std::fs::read_to_string(&path).unwrap().contains("<path") {
+            assert!(load(spec).unwrap_err().to_string().contains("without --allow-outside"), "{spec}");
+        }
     }
 }

@@ -1,0 +1,78 @@
+//! Where the files that a scene names are looked for.
+
+use super::value::abridged;
+use crate::error::LoadError;
+use std::path::{Component, Path, PathBuf};
+
+/// The folders in which files are looked for.
+pub(super) struct Folders {
+    /// The scene's folder, without links.
+    scene: PathBuf,
+    /// The first that holds a file of the name is taken; the scene's folder is the last.
+    search: Vec<PathBuf>,
+    /// Whether files outside of the scene's folder may be read.
+    outside: bool,
+}
+
+impl Folders {
+    /// The folder of a scene file.
+    pub(super) fn of(path: &Path, outside: bool) -> Result<Folders, LoadError> {
+        let folder = match path.parent() {
+            Some(parent) if parent != Path::new("") => parent,
+            _ => Path::new("."),
+        };
+        let scene = folder.canonicalize().map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
+        Ok(Folders { search: vec![scene.clone()], scene, outside })
+    }
+
+    /// Adds a folder, relative to that of the file that names it, in front of the others.
+    pub(super) fn add(&mut self, from: &Path, name: &str) -> Result<(), String> {
+        let name = name.replace('\\', "/");
+        let base = from.parent().and_then(|p| p.canonicalize().ok()).unwrap_or_else(|| self.scene.clone());
+        let folder = base.join(&name).canonicalize();
+        let folder = folder.map_err(|e| format!("cannot read the folder `{}`: {e}", abridged(&name)))?;
+        if !self.outside && !folder.starts_with(&self.scene) {
+            return Err(outside("folder", &name));
+        }
+        self.search.insert(0, folder);
+        Ok(())
+    }
+
+    /// The place of a file.
+    pub(super) fn find(&self, name: &str) -> Result<PathBuf, String> {
+        let name = name.replace('\\', "/");
+        if !self.outside && leaves(Path::new(&name)) {
+            return Err(outside("file", &name));
+        }
+        let mut failure = None;
+        for folder in &self.search {
+            match folder.join(&name).canonicalize() {
+                // The name itself stays inside; a link on its way might not.
+                Ok(real) if !self.outside && !real.starts_with(&self.scene) => return Err(outside("file", &name)),
+                Ok(real) => return Ok(real),
+                Err(e) => failure = Some(e),
+            }
+        }
+        let reason = failure.map(|e| format!(": {e}")).unwrap_or_default();
+        Err(format!("cannot read the file `{}`{reason}", abridged(&name)))
+    }
+}
+
+fn outside(what: &str, name: &str) -> String {
+    let name = abridged(name);
+    format!("the {what} `{name}` lies outside of the scene's folder, which is refused without --allow-outside")
+}
+
+/// Whether a name leads out of the folder in which it is looked up.
+fn leaves(name: &Path) -> bool {
+    let mut depth = 0i64;
+    name.components().any(|component| {
+        depth += match component {
+            Component::Normal(_) => 1,
+            Component::CurDir => 0,
+            Component::ParentDir => -1,
+            Component::RootDir | Component::Prefix(_) => return true,
+        };
+        depth < 0
+    })
+}
