@@ -1,6 +1,7 @@
 //! Cameras.
 mod runtime;
 
+pub(crate) use runtime::unit_axes;
 pub use runtime::{Camera, CameraError, CameraSample};
 
 use glam::{DAffine3, UVec2};
@@ -15,8 +16,15 @@ pub struct CameraDescription {
     pub to_world: DAffine3,
     /// Pixels of the whole film.
     pub resolution: UVec2,
-    /// The part of it that is rendered; all of it without one.
+    /// The part of it that is rendered; all of it without one. The field of view stays that of the whole film.
     pub crop: Option<Crop>,
+}
+
+impl CameraDescription {
+    /// Pixels of the image that it makes: those of the crop, or of the whole film.
+    pub fn film_size(&self) -> UVec2 {
+        self.crop.map_or(self.resolution, |crop| crop.size)
+    }
 }
 
 /// A rectangle of pixels of a film.

@@ -1,6 +1,6 @@
 //! The camera, ready to render.
 
-use super::{CameraDescription, Projection};
+use super::{CameraDescription, Crop, Projection};
 use crate::{ray::Ray, warp::sample_disk};
 use glam::{DMat3, DVec3, UVec2, Vec2, Vec3};
 use std::f64::consts::PI;
@@ -15,6 +15,14 @@ pub enum CameraError {
     /// The field of view is not between 0 and pi.
     #[error("the camera's horizontal field of view is {0} radians, not between 0 and pi")]
     FieldOfView(f64),
+    /// The crop is empty or does not lie within the film.
+    #[error("the camera's crop of {} x {} pixels from ({}, {}) is not a part of its film of {} x {}", .crop.size.x, .crop.size.y, .crop.offset.x, .crop.offset.y, .film.x, .film.y)]
+    Crop {
+        /// The crop.
+        crop: Crop,
+        /// Pixels of the film.
+        film: UVec2,
+    },
     /// A length is not positive and finite.
     #[error("the camera's {name} is {value}, not positive")]
     Length {
@@ -31,10 +39,13 @@ pub enum CameraError {
 /// A camera in the rendered world.
 ///
 /// Film positions are in pixels, (0, 0) at the top left corner of the image, x to the right, y down. They are not
-/// bounded by the film: what lies just outside matters to filters wider than a pixel.
+/// bounded by the film: what lies just outside matters to filters wider than a pixel. Of a cropped film the image is the
+/// crop.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     resolution: UVec2,
+    /// Film position of the camera's axis.
+    middle: Vec2,
     position: Vec3,
     /// Unit axes of the camera's space in the world: to the left of the image, up, and forwards.
     left: Vec3,
@@ -79,9 +90,18 @@ impl Camera {
     /// # Errors
     /// See [`CameraError`].
     pub fn new(description: &CameraDescription, recentre: DVec3) -> Result<Camera, CameraError> {
-        let CameraDescription { projection, to_world, resolution, crop: _ } = *description;
+        let CameraDescription { projection, to_world, resolution, crop } = *description;
         if resolution.x == 0 || resolution.y == 0 {
             return Err(CameraError::Resolution(resolution));
+        }
+        let offset = crop.map_or(UVec2::ZERO, |c| c.offset);
+        if let Some(crop) = crop {
+            // Written so that nothing overflows.
+            let fits = |size, offset, film| size > 0 && size <= film && offset <= film - size;
+            let Crop { size, offset } = crop;
+            if !(fits(size.x, offset.x, resolution.x) && fits(size.y, offset.y, resolution.y)) {
+                return Err(CameraError::Crop { crop, film: resolution });
+            }
         }
         let axes = unit_axes(to_world.matrix3)?;
         let position = to_world.translation - recentre;
@@ -108,7 +128,8 @@ impl Camera {
             Projection::Orthographic { .. } => Lens::Parallel,
         };
         Ok(Camera {
-            resolution,
+            resolution: description.film_size(),
+            middle: 0.5 * resolution.as_vec2() - offset.as_vec2(),
             position: position.as_vec3(),
             left: axes.x_axis.as_vec3(),
             up: axes.y_axis.as_vec3(),
@@ -118,7 +139,7 @@ impl Camera {
         })
     }
 
-    /// Pixels.
+    /// Pixels of the image: those of the film, or of its crop.
     #[inline]
     pub fn resolution(&self) -> UVec2 {
         self.resolution
@@ -217,12 +238,11 @@ impl Camera {
             }
         };
         let scale = self.pixels_per_metre as f32;
-        let middle = 0.5 * self.resolution.as_vec2();
-        let film = middle - Vec2::new(offset.dot(self.left), offset.dot(self.up)) * scale;
+        let film = self.middle - Vec2::new(offset.dot(self.left), offset.dot(self.up)) * scale;
         film.is_finite().then_some(film)
     }
 
-    /// Density per square metre of a camera ray's origin: over the lens, over the film's rectangle in the world for
+    /// Density per square metre of a camera ray's origin: over the lens, over the image's rectangle in the world for
     /// parallel rays, and 1 (delta) for a pinhole.
     #[inline]
     pub fn pdf_a(&self) -> f32 {
@@ -256,10 +276,10 @@ impl Camera {
         f64::from(self.resolution.x) * f64::from(self.resolution.y)
     }
 
-    /// From the middle of the image to a film position: at distance 1 where there is a field of view.
+    /// From the camera's axis to a film position: at distance 1 where there is a field of view.
     #[inline]
     fn offset(&self, film: Vec2) -> Vec3 {
-        let q = (0.5 * self.resolution.as_vec2() - film) * (1.0 / self.pixels_per_metre) as f32;
+        let q = (self.middle - film) * (1.0 / self.pixels_per_metre) as f32;
         self.left * q.x + self.up * q.y
     }
 
@@ -283,7 +303,7 @@ fn positive(name: &'static str, value: f64) -> Result<f64, CameraError> {
 }
 
 /// The axes without their scale, at exact right angles; a reflection stays.
-fn unit_axes(m: DMat3) -> Result<DMat3, CameraError> {
+pub(crate) fn unit_axes(m: DMat3) -> Result<DMat3, CameraError> {
     if !m.is_finite() {
         return Err(CameraError::Transform("not finite"));
     }
