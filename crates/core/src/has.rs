@@ -4,7 +4,7 @@
 //! scene lacks: the branch is resolved when the loop is compiled. [`specialise!`](crate::specialise) picks the variant,
 //! once a pass.
 
-/// Analytic spheres or disks beside the triangles.
+/// Analytic spheres, disks or cylinders beside the triangles.
 pub const CURVED: u32 = 1;
 /// Instances, hence a two-level hierarchy.
 pub const INSTANCES: u32 = 2;

@@ -16,7 +16,7 @@ pub mod material;
 pub mod mis;
 pub mod parallel;
 pub mod ray;
-pub mod relief;
+mod relief;
 pub mod reservoir;
 pub mod rgb;
 pub mod sampler;

@@ -1,8 +1,9 @@
 //! Materials: what a scene's surfaces are made of, before they are hit.
 
+pub use crate::relief::Relief;
+
 use crate::{
     bsdf::{self, Bsdf, ConductorFresnel, Distribution, Lobe, Plastic, RoughPlastic, Roughness},
-    relief::Relief,
     rgb::Rgb,
     texture::{Texture, TexturePoint},
 };

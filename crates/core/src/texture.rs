@@ -179,6 +179,39 @@ impl<T: Texel> Bitmap<T> {
     }
 }
 
+impl Texture<f32> {
+    /// Derivatives of the value by the surface's texture coordinates.
+    ///
+    /// Of a bilinear image those of the bilinear patch, which jump at texel centres. Zero where the value is piecewise
+    /// constant; vertex colours, whose derivative is not known at a point, count as that.
+    pub fn gradient(&self, point: &TexturePoint) -> Vec2 {
+        match self {
+            Texture::Bitmap { bitmap, interpolation: Interpolation::Bilinear, wrap, to_uv } => {
+                let by_image = bitmap.gradient(to_uv.transform_point2(point.uv), *wrap);
+                // The chain rule: the gradient goes by the transpose.
+                to_uv.matrix2.transpose() * by_image
+            }
+            _ => Vec2::ZERO,
+        }
+    }
+}
+
+impl Bitmap<f32> {
+    /// Derivatives of the bilinear interpolation by the image coordinates of [`Bitmap::at`].
+    fn gradient(&self, uv: Vec2, wrap: Wrap) -> Vec2 {
+        let (width, height) = (self.width as f32, self.height as f32);
+        let (x, y) = (fold(uv.x, wrap) * width - 0.5, fold(1.0 - uv.y, wrap) * height - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let texel = |dx: i64, dy: i64| self.texel(x0 as i64 + dx, y0 as i64 + dy, wrap);
+        let (t00, t10, t01, t11) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
+        let across = (t10 - t00) * (1.0 - fy) + (t11 - t01) * fy;
+        let down = (t01 - t00) * (1.0 - fx) + (t11 - t10) * fx;
+        // Rows grow downwards, v upwards.
+        Vec2::new(across * width, -down * height)
+    }
+}
+
 /// A coordinate brought near the unit interval: repeating into it, mirroring into the first two units, clamping to its ends.
 fn fold(x: f32, wrap: Wrap) -> f32 {
     match wrap {
@@ -218,6 +251,52 @@ mod tests {
         let border = |u: f32, wrap| ramp().at(Vec2::new(u, 0.75), Interpolation::Bilinear, wrap);
         assert_eq!([Wrap::Repeat, Wrap::Mirror, Wrap::Clamp].map(|w| border(0.0, w)), [1.5, 1.0, 1.0]);
         assert_eq!([Wrap::Repeat, Wrap::Mirror, Wrap::Clamp].map(|w| border(1.0, w)), [1.5, 2.0, 2.0]);
+    }
+
+    #[test]
+    fn gradients_are_the_slope_of_the_image() {
+        let mut texels = Vec::new();
+        for i in 0..20u32 {
+            texels.push((i.wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32);
+        }
+        let bitmap = Arc::new(Bitmap { width: 5, height: 4, texels });
+        let to_uv = Affine2::from_scale_angle_translation(Vec2::new(1.5, 0.7), 0.4, Vec2::new(0.2, -0.3));
+        let step = 1e-3;
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            let texture =
+                Texture::Bitmap { bitmap: bitmap.clone(), interpolation: Interpolation::Bilinear, wrap, to_uv };
+            let point = |uv| TexturePoint { uv, color: Rgb::WHITE };
+            let mut checked = 0;
+            for i in 0..400 {
+                let uv = Vec2::new((i % 20) as f32, (i / 20) as f32) * 0.137 - 1.1;
+                let slope = |along: Vec2| {
+                    (texture.at(&point(uv + along * step)) - texture.at(&point(uv - along * step))) / (2.0 * step)
+                };
+                let ahead = |along: Vec2| (texture.at(&point(uv + along * step)) - texture.at(&point(uv))) / step;
+                let expected = Vec2::new(slope(Vec2::X), slope(Vec2::Y));
+                // A patch has a slope of its own: points near a seam between two are left out.
+                if (ahead(Vec2::X) - expected.x).abs() + (ahead(Vec2::Y) - expected.y).abs() < 2e-2 {
+                    let found = texture.gradient(&point(uv));
+                    assert!((found - expected).length() < 2e-2, "{wrap:?} {uv}: {found} instead of {expected}");
+                    checked += 1;
+                }
+            }
+            assert!(checked > 300, "{checked}");
+        }
+    }
+
+    #[test]
+    fn what_is_constant_by_pieces_has_no_slope() {
+        let bitmap = Arc::new(ramp());
+        let nearest = Texture::Bitmap {
+            bitmap,
+            interpolation: Interpolation::Nearest,
+            wrap: Wrap::Repeat,
+            to_uv: Affine2::IDENTITY,
+        };
+        let point = TexturePoint { uv: Vec2::new(0.3, 0.4), color: Rgb::WHITE };
+        assert_eq!(nearest.gradient(&point), Vec2::ZERO);
+        assert_eq!(Texture::Constant(2.0).gradient(&point), Vec2::ZERO);
     }
 
     #[test]

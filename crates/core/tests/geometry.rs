@@ -2,7 +2,7 @@
 
 use etendue_core::{
     geometry::{
-        Disk, Geometry, Hit, Instance, Mesh, NO_INSTANCE, Shape, Sphere,
+        Cylinder, Disk, Geometry, Hit, Instance, Mesh, NO_INSTANCE, Shape, Sphere,
         offset::{shadow_ray, spawn_ray},
     },
     has::{ALL, CURVED, INSTANCES},
@@ -37,11 +37,24 @@ fn soup(rng: &mut Pcg64Mcg, count: usize, size: f32) -> Mesh {
 }
 
 fn sphere(rng: &mut Pcg64Mcg) -> Shape {
-    Shape::Sphere(Sphere { center: point(rng), radius: 0.01 + 0.3 * rng.random::<f32>(), inverted: rng.random() })
+    Sphere { center: point(rng), radius: 0.01 + 0.3 * rng.random::<f32>(), inverted: rng.random() }.into()
 }
 
 fn disk(rng: &mut Pcg64Mcg) -> Shape {
-    Shape::Disk(Disk { center: point(rng), normal: unit(rng), radius: 0.01 + 0.3 * rng.random::<f32>() })
+    Disk { center: point(rng), normal: unit(rng), radius: 0.01 + 0.3 * rng.random::<f32>() }.into()
+}
+
+fn cylinder(rng: &mut Pcg64Mcg) -> Shape {
+    let (from, axis) = (point(rng), unit(rng) * (0.05 + rng.random::<f32>()));
+    Cylinder { from, axis, radius: 0.01 + 0.3 * rng.random::<f32>(), inverted: rng.random() }.into()
+}
+
+fn curve(rng: &mut Pcg64Mcg) -> Shape {
+    match rng.random_range(0..3) {
+        0 => sphere(rng),
+        1 => disk(rng),
+        _ => cylinder(rng),
+    }
 }
 
 /// Each primitive of some shapes alone, in the order of their numbers: hierarchies without a box to miss.
@@ -94,12 +107,12 @@ proptest! {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut shapes = vec![Shape::Mesh(soup(&mut rng, triangles, size))];
         for _ in 0..curved {
-            let shape = if rng.random() { sphere(&mut rng) } else { disk(&mut rng) };
+            let shape = curve(&mut rng);
             shapes.insert(rng.random_range(0..=shapes.len()), shape);
         }
         let mut group = vec![Shape::Mesh(soup(&mut rng, 10, size))];
         if curved > 0 {
-            group.push(sphere(&mut rng));
+            group.push(curve(&mut rng));
         }
         let groups = vec![group];
         let instances: Vec<Instance> = (0..placed)
@@ -196,7 +209,7 @@ fn rays_that_leave_a_triangle_do_not_meet_it() {
 #[test]
 fn rays_that_leave_a_disk_do_not_meet_it() {
     let disk = |rng: &mut Pcg64Mcg, scale: f32, at: Vec3| {
-        (Shape::Disk(Disk { center: at, normal: unit(rng), radius: scale }), at + unit(rng) * (0.1 * scale))
+        (Shape::from(Disk { center: at, normal: unit(rng), radius: scale }), at + unit(rng) * (0.1 * scale))
     };
     never_meets_itself(disk, true, 30_000);
 }
@@ -204,9 +217,66 @@ fn rays_that_leave_a_disk_do_not_meet_it() {
 #[test]
 fn rays_that_leave_a_sphere_do_not_meet_it() {
     let sphere = |_: &mut Pcg64Mcg, scale: f32, at: Vec3| {
-        (Shape::Sphere(Sphere { center: at, radius: scale, inverted: false }), at)
+        (Shape::from(Sphere { center: at, radius: scale, inverted: false }), at)
     };
     never_meets_itself(sphere, false, 30_000);
+}
+
+#[test]
+fn rays_that_leave_a_cylinder_do_not_meet_it() {
+    let cylinder = |rng: &mut Pcg64Mcg, scale: f32, at: Vec3| {
+        let axis = unit(rng) * (scale * 10f32.powf(rng.random::<f32>() * 2.0 - 1.0));
+        (Shape::from(Cylinder { from: at - axis * 0.5, axis, radius: 0.3 * scale, inverted: false }), at)
+    };
+    never_meets_itself(cylinder, false, 30_000);
+}
+
+/// Through its open ends as well: both sides, and nothing where the ends would be.
+#[test]
+fn cylinders_have_a_side_and_no_ends() {
+    let cylinder = Cylinder { from: Vec3::new(0.0, 0.0, -1.0), axis: Vec3::Z * 2.0, radius: 0.5, inverted: false };
+    let geometry = Geometry::build(vec![cylinder.into()], vec![], vec![]);
+    let hit = |origin: Vec3, direction: Vec3| {
+        let ray = Ray::new(origin, direction.normalize());
+        let hit = geometry.closest::<CURVED>(&ray)?;
+        Some((hit.t, geometry.surface::<{ ALL }>(&ray, &hit).ng))
+    };
+    assert_eq!(hit(Vec3::new(3.0, 0.0, 0.3), Vec3::NEG_X), Some((2.5, Vec3::X)));
+    assert_eq!(hit(Vec3::ZERO, Vec3::NEG_X), Some((0.5, Vec3::NEG_X)));
+    assert_eq!(hit(Vec3::new(3.0, 0.0, 1.01), Vec3::NEG_X), None);
+    for along in [Vec3::Z, Vec3::NEG_Z] {
+        assert_eq!(hit(Vec3::new(0.1, 0.2, 0.0), along), None);
+        assert_eq!(hit(Vec3::new(0.5, 0.0, 0.0) - along * 3.0, along), None);
+    }
+    // In through the end, out by the inner side; over the rim and past.
+    let (t, ng) = hit(Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.5, 0.0, -1.5)).expect("the inner side");
+    assert!((t - (0.25f32 + 2.25).sqrt()).abs() < 1e-6 && ng == Vec3::X, "{t} {ng}");
+    assert_eq!(hit(Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.5, 0.0, -0.9)), None);
+    let inverted = Geometry::build(vec![Cylinder { inverted: true, ..cylinder }.into()], vec![], vec![]);
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    let hit = inverted.closest::<CURVED>(&ray).expect("the inner side");
+    assert_eq!(inverted.surface::<{ ALL }>(&ray, &hit).ng, Vec3::NEG_X);
+}
+
+#[test]
+fn rays_within_a_cylinder_meet_it_once() {
+    let mut rng = Pcg64Mcg::seed_from_u64(8);
+    for i in 0..20_000 {
+        let scale = 10f32.powi(i % 10 - 4);
+        let axis = unit(&mut rng) * (1e4 * scale);
+        let middle = unit(&mut rng) * (scale * [0.0, 1.0, 30.0][i as usize % 3]);
+        let shape = Shape::from(Cylinder { from: middle - axis * 0.5, axis, radius: scale, inverted: true });
+        let geometry = Geometry::build(vec![shape], vec![], vec![]);
+        let ray = Ray::new(middle + unit(&mut rng) * (0.5 * scale), unit(&mut rng));
+        let Some(hit) = geometry.closest::<CURVED>(&ray) else { continue };
+        let surface = geometry.surface::<{ ALL }>(&ray, &hit);
+        let direction = (surface.ng + unit(&mut rng) * 0.9).normalize();
+        let Some(on) = geometry.closest::<CURVED>(&spawn_ray(&surface, direction)) else { continue };
+        // The chord that the cross-section has in this direction; what is across the long axis is known less well.
+        let along = direction.dot(axis.normalize());
+        let chord = 2.0 * scale * direction.dot(surface.ng) / (1.0 - along * along);
+        assert!((on.t - chord).abs() < 2e-3 * chord.max(scale), "scale {scale}: {} instead of {chord}", on.t);
+    }
 }
 
 #[test]
@@ -215,7 +285,7 @@ fn rays_within_a_sphere_meet_it_once() {
     for i in 0..20_000 {
         let scale = 10f32.powi(i % 10 - 4);
         let center = unit(&mut rng) * (scale * [0.0, 1.0, 30.0][i as usize % 3]);
-        let shape = Shape::Sphere(Sphere { center, radius: scale, inverted: true });
+        let shape = Shape::from(Sphere { center, radius: scale, inverted: true });
         let geometry = Geometry::build(vec![shape], vec![], vec![]);
         let ray = Ray::new(center + unit(&mut rng) * (0.9 * scale), unit(&mut rng));
         let hit = geometry.closest::<CURVED>(&ray).expect("inside");
@@ -234,7 +304,7 @@ fn tiny_and_huge_spheres_are_met_where_they_are() {
     let mut hits = 0;
     for (radius, distance) in [(1e-4f32, 1e3f32), (1e-3, 1e4), (1e6, 1e7), (1e5, 1.0)] {
         let sphere = Sphere { center: Vec3::new(0.0, 0.0, -distance - radius), radius, inverted: false };
-        let geometry = Geometry::build(vec![Shape::Sphere(sphere)], vec![], vec![]);
+        let geometry = Geometry::build(vec![sphere.into()], vec![], vec![]);
         for i in -20..=20 {
             let x = i as f32 / 16.0;
             // Aimed at the height x of the disk that the sphere looks like.
@@ -341,7 +411,7 @@ fn empty_and_single_and_enormous_inputs() {
 
 #[test]
 fn shapes_are_numbered_through_groups() {
-    let ball = |x: f32| Shape::Sphere(Sphere { center: Vec3::X * x, radius: 0.1, inverted: false });
+    let ball = |x: f32| Shape::from(Sphere { center: Vec3::X * x, radius: 0.1, inverted: false });
     let groups = vec![vec![ball(0.0)], vec![ball(0.0), ball(1.0)]];
     let place = |group, y| Instance { group, to_world: Affine3A::from_translation(Vec3::Y * y) };
     let geometry = Geometry::build(vec![ball(0.0), ball(1.0)], groups, vec![place(1, 3.0), place(0, 5.0)]);
@@ -353,7 +423,7 @@ fn shapes_are_numbered_through_groups() {
     assert_eq!([at(0.0, 0.0), at(1.0, 0.0)], [(NO_INSTANCE, 0), (NO_INSTANCE, 1)]);
     assert_eq!([at(0.0, 3.0), at(1.0, 3.0), at(0.0, 5.0)], [(0, 3), (0, 4), (1, 2)]);
     for i in 0..5 {
-        assert!(matches!(geometry.shape(i), Shape::Sphere(_)));
+        assert!(matches!(geometry.shape(i), Shape::Sphere(..)));
     }
     assert_eq!(geometry.shape_count(), 5);
 }
@@ -362,7 +432,7 @@ fn shapes_are_numbered_through_groups() {
 fn shading_normals_and_tangents_of_meshes() {
     let mesh = |normals: [Vec3; 3], uvs: Vec<Vec2>| {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-        Shape::Mesh(Mesh { positions, normals: normals.to_vec(), uvs, triangles: vec![[0, 1, 2]] })
+        Shape::Mesh(Mesh { positions, normals: normals.to_vec(), uvs, triangles: vec![[0, 1, 2]], ..Mesh::default() })
     };
     let look = |shape: Shape| {
         let geometry = Geometry::build(vec![shape], vec![], vec![]);

@@ -1,11 +1,15 @@
 //! The analytic disk.
 
 use super::{
-    Disk,
+    Axes, Disk,
     offset::gamma,
-    surface::{Local, tangent},
+    surface::{Local, tangents, turn},
 };
-use crate::{ray::Ray, rgb::Rgb};
+use crate::{
+    has::{LOBES, TEXTURES},
+    ray::Ray,
+    rgb::Rgb,
+};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -42,26 +46,29 @@ impl Disk {
     }
 
     /// What is known at the parameter `t` that [`Disk::intersect`] found.
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> Local {
+    pub(super) fn surface<const HAS: u32>(&self, axes: &Axes, ray: &Ray, t: f32) -> Local {
         let plane = self.plane(ray);
         let arm = self.arm(ray, if plane.is_finite() { plane } else { f64::from(t) });
         let n = self.normal.as_dvec3().normalize_or(DVec3::Y);
         // Projected onto the plane: what is left is the rounding to single precision.
         let arm = arm - n * arm.dot(n);
         let p = (self.center.as_dvec3() + arm).as_vec3();
+        let p_error = p.abs() * gamma(2);
         let ng = n.as_vec3();
-        let s = tangent(ng);
-        let (x, y) = (arm.dot(s.as_dvec3()) as f32, arm.dot(ng.cross(s).as_dvec3()) as f32);
-        let u = y.atan2(x) / TAU;
-        let around = ng.cross(arm.as_vec3()) * TAU;
-        Local {
-            p,
-            p_error: p.abs() * gamma(2),
-            ng,
-            ns: ng,
-            dpdu: if around.length_squared() > 0.0 { around } else { s },
-            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, (arm.length() as f32 / self.radius).min(1.0)),
-            color: Rgb::WHITE,
+        if HAS & (TEXTURES | LOBES) == 0 {
+            return Local::bare(p, p_error, ng, ng);
         }
+        let arm = arm.as_vec3();
+        let q = axes.local(arm);
+        // Outwards and around; in the middle there is neither.
+        let (dpdu, dpdv) = tangents(ng, arm * (self.radius / arm.length()), (axes.y * q.x - axes.x * q.y) * TAU);
+        Local { p, p_error, ng, ns: ng, dpdu, dpdv, uv: self.uv(axes, arm), color: Rgb::WHITE }
+    }
+
+    /// Texture coordinates at a point of the disk, as seen from its centre.
+    #[inline]
+    pub(crate) fn uv(&self, axes: &Axes, arm: Vec3) -> Vec2 {
+        let q = axes.local(arm);
+        Vec2::new(((q.x * q.x + q.y * q.y).sqrt() / self.radius).min(1.0), turn(q.x, q.y))
     }
 }

@@ -162,7 +162,7 @@ pub(super) fn prefetch<T>(value: &T) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Mesh, Shape, Sphere};
+    use crate::geometry::{Mesh, Sphere};
     use glam::Vec3;
     use rand::{RngExt, SeedableRng};
 
@@ -177,7 +177,7 @@ mod tests {
             mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
         }
         let sphere = Sphere { center: Vec3::ZERO, radius: 0.3, inverted: false };
-        let geometry = Geometry::build(vec![Shape::Mesh(mesh), Shape::Sphere(sphere)], vec![], vec![]);
+        let geometry = Geometry::build(vec![mesh.into(), sphere.into()], vec![], vec![]);
         let mut found = 0;
         for _ in 0..100_000 {
             let (a, b) = (point(), point());

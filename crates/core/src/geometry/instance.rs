@@ -3,7 +3,7 @@
 use super::{
     Instance,
     offset::{ROUNDOFF, gamma},
-    surface::{Local, tangent},
+    surface::{Local, tangents},
 };
 use crate::ray::Ray;
 use glam::{DMat3, DVec3, Vec3};
@@ -75,9 +75,9 @@ impl Placed {
         let ng = (normals * local.ng.as_dvec3()).normalize_or(local.ng.as_dvec3()).as_vec3();
         let ns = (normals * local.ns.as_dvec3()).try_normalize().map_or(ng, |n| n.as_vec3());
         let ns = if ns.dot(ng) < 0.0 { -ns } else { ns };
-        let dpdu = (linear * local.dpdu.as_dvec3()).as_vec3();
-        let dpdu = if dpdu.is_finite() && dpdu.length_squared() > 0.0 { dpdu } else { tangent(ng) };
-        Local { p, p_error, ng, ns, dpdu, uv: local.uv, color: local.color }
+        let [dpdu, dpdv] = [local.dpdu, local.dpdv].map(|d| (linear * d.as_dvec3()).as_vec3());
+        let (dpdu, dpdv) = tangents(ng, dpdu, dpdv);
+        Local { p, p_error, ng, ns, dpdu, dpdv, uv: local.uv, color: local.color }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Shapes, the hierarchy over them, and what is known at a hit.
 
 mod bvh;
+mod cylinder;
 mod disk;
 mod dispatch;
 mod instance;
@@ -13,7 +14,7 @@ mod world;
 
 pub use world::Geometry;
 
-use crate::{ray::PrimitiveId, rgb::Rgb};
+use crate::{frame::Frame, ray::PrimitiveId, rgb::Rgb};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// An indexed triangle mesh in world space (or in the space of its group).
@@ -53,15 +54,82 @@ pub struct Disk {
     pub radius: f32,
 }
 
+/// The side of a cylinder, without its ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Cylinder {
+    /// Middle of the one end.
+    pub from: Vec3,
+    /// From there to the middle of the other end, not zero.
+    pub axis: Vec3,
+    /// Radius, positive.
+    pub radius: f32,
+    /// Whether the normal points inwards.
+    pub inverted: bool,
+}
+
+/// The axes that the texture coordinates of a curved shape follow: orthonormal, of either handedness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// Where the angle is zero.
+    pub x: Vec3,
+    /// Where it is a quarter turn.
+    pub y: Vec3,
+    /// A sphere's pole, a disk's normal, a cylinder's axis.
+    pub z: Vec3,
+}
+
+impl Axes {
+    /// Some axes about a unit vector.
+    pub fn about(z: Vec3) -> Axes {
+        let Frame { tangent, bitangent, normal } = Frame::from_normal(z);
+        Axes { x: tangent, y: bitangent, z: normal }
+    }
+
+    /// Coordinates along the axes.
+    #[inline]
+    fn local(&self, v: Vec3) -> Vec3 {
+        Vec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
+    }
+}
+
 /// A shape placed in the world (or in the space of its group).
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// Triangles.
     Mesh(Mesh),
-    /// An analytic sphere.
-    Sphere(Sphere),
-    /// An analytic disk.
-    Disk(Disk),
+    /// An analytic sphere. `u` is the angle about the pole over 2 pi, `v` the angle from the pole over pi.
+    Sphere(Sphere, Axes),
+    /// An analytic disk. `u` is the distance from the centre over the radius, `v` the angle over 2 pi.
+    Disk(Disk, Axes),
+    /// An analytic cylinder. `u` is the angle over 2 pi, `v` grows from 0 to 1 along the axis.
+    Cylinder(Cylinder, Axes),
+}
+
+impl From<Mesh> for Shape {
+    fn from(mesh: Mesh) -> Shape {
+        Shape::Mesh(mesh)
+    }
+}
+
+/// With the pole at +z.
+impl From<Sphere> for Shape {
+    fn from(sphere: Sphere) -> Shape {
+        Shape::Sphere(sphere, Axes { x: Vec3::X, y: Vec3::Y, z: Vec3::Z })
+    }
+}
+
+/// With the angle zero wherever it falls.
+impl From<Disk> for Shape {
+    fn from(disk: Disk) -> Shape {
+        Shape::Disk(disk, Axes::about(disk.normal))
+    }
+}
+
+/// With the angle zero wherever it falls.
+impl From<Cylinder> for Shape {
+    fn from(cylinder: Cylinder) -> Shape {
+        Shape::Cylinder(cylinder, Axes::about(cylinder.axis.normalize()))
+    }
 }
 
 /// A group of shapes placed once more by a transform.
@@ -81,7 +149,8 @@ pub const NO_INSTANCE: u32 = u32::MAX;
 pub struct Hit {
     /// Ray parameter.
     pub t: f32,
-    /// First barycentric coordinate (weight of vertex 1); of a sphere 0 where the ray enters it, 1 where it leaves.
+    /// First barycentric coordinate (weight of vertex 1); of a sphere or cylinder 0 where the ray enters it, 1 where it
+    /// leaves.
     pub u: f32,
     /// Second barycentric coordinate (weight of vertex 2); 0 for curved shapes.
     pub v: f32,
@@ -102,9 +171,11 @@ pub struct Surface {
     pub ng: Vec3,
     /// Unit shading normal, in the hemisphere of `ng`.
     pub ns: Vec3,
-    /// Direction of growing first texture coordinate, not normalised, not zero: what anisotropy is aligned to. Zero
-    /// where the scene has Lambert reflection alone.
+    /// Derivative of the point by the first texture coordinate, or some tangent where it is not defined: not zero, what
+    /// anisotropy is aligned to. Zero where the scene has Lambert reflection alone.
     pub dpdu: Vec3,
+    /// Derivative of the point by the second texture coordinate; zero where the scene has no textures.
+    pub dpdv: Vec3,
     /// Texture coordinates; zero where the scene has no textures.
     pub uv: Vec2,
     /// Interpolated vertex colour; white where there is none.

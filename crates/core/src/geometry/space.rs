@@ -1,7 +1,7 @@
 //! The shapes of the top level, or of one group, with the hierarchy over them.
 
 use super::{
-    Disk, Hit, Instance, NO_INSTANCE, Shape, Sphere,
+    Cylinder, Disk, Hit, Instance, NO_INSTANCE, Shape, Sphere,
     bvh::{Bvh, Child, Kind, Prepared, Reference, traverse::Best},
     dispatch::Kernel,
     instance::Placed,
@@ -16,6 +16,7 @@ use glam::Vec3;
 enum Curved {
     Sphere(Sphere),
     Disk(Disk),
+    Cylinder(Cylinder),
 }
 
 impl Curved {
@@ -25,6 +26,7 @@ impl Curved {
         match self {
             Curved::Sphere(sphere) => sphere.intersect(ray),
             Curved::Disk(disk) => disk.intersect(ray).map(|t| (t, 0.0)),
+            Curved::Cylinder(cylinder) => cylinder.intersect(ray),
         }
     }
 }
@@ -65,10 +67,13 @@ impl Space {
                         space.shape.push(i as u32);
                     }
                 }
-                Shape::Sphere(sphere) => {
+                Shape::Sphere(sphere, _) => {
                     space.push_curved(Curved::Sphere(*sphere), sphere.bounds(), i, &mut references)
                 }
-                Shape::Disk(disk) => space.push_curved(Curved::Disk(*disk), disk.bounds(), i, &mut references),
+                Shape::Disk(disk, _) => space.push_curved(Curved::Disk(*disk), disk.bounds(), i, &mut references),
+                Shape::Cylinder(cylinder, _) => {
+                    space.push_curved(Curved::Cylinder(*cylinder), cylinder.bounds(), i, &mut references)
+                }
             }
         }
         space.first.push(space.shape.len() as u32);
@@ -114,9 +119,10 @@ impl Space {
                     size_of_val(&mesh.positions[..])
                         + size_of_val(&mesh.normals[..])
                         + size_of_val(&mesh.uvs[..])
+                        + size_of_val(&mesh.colors[..])
                         + size_of_val(&mesh.triangles[..])
                 }
-                Shape::Sphere(_) | Shape::Disk(_) => 0,
+                Shape::Sphere(..) | Shape::Disk(..) | Shape::Cylinder(..) => 0,
             })
             .sum();
         shapes
@@ -139,7 +145,9 @@ impl Space {
         let (shape, element) = self.locate(primitive);
         match &self.shapes[shape as usize] {
             Shape::Mesh(mesh) => mesh.vertices(element),
-            Shape::Sphere(_) | Shape::Disk(_) => unreachable!("primitive {primitive} is no triangle"),
+            Shape::Sphere(..) | Shape::Disk(..) | Shape::Cylinder(..) => {
+                unreachable!("primitive {primitive} is no triangle")
+            }
         }
     }
 
@@ -191,8 +199,9 @@ impl Space {
         let (shape, element) = self.locate(hit.primitive);
         let local = match &self.shapes[shape as usize] {
             Shape::Mesh(mesh) => mesh.surface::<HAS>(element, hit.u, hit.v),
-            Shape::Sphere(sphere) => sphere.surface::<HAS>(ray, hit.t, hit.u),
-            Shape::Disk(disk) => disk.surface(ray, hit.t),
+            Shape::Sphere(sphere, axes) => sphere.surface::<HAS>(axes, ray, hit.t, hit.u),
+            Shape::Disk(disk, axes) => disk.surface::<HAS>(axes, ray, hit.t),
+            Shape::Cylinder(cylinder, axes) => cylinder.surface::<HAS>(axes, ray, hit.t, hit.u),
         };
         (local, shape, element)
     }

@@ -3,7 +3,7 @@
 use super::{
     Mesh,
     offset::{ROUNDOFF, gamma},
-    surface::{Local, tangent},
+    surface::{Local, tangents},
 };
 use crate::{
     has::{LOBES, TEXTURES},
@@ -89,27 +89,27 @@ impl Mesh {
             }
         };
         if HAS & (TEXTURES | LOBES) == 0 {
-            return Local { p, p_error, ng, ns, dpdu: Vec3::ZERO, uv: Vec2::ZERO, color: Rgb::WHITE };
+            return Local::bare(p, p_error, ng, ns);
         }
-        let (uv, dpdu) = if self.uvs.is_empty() {
-            (Vec2::new(u, v), b - a)
+        let (uv, dpdu, dpdv) = if self.uvs.is_empty() {
+            (Vec2::new(u, v), b - a, c - a)
         } else {
             let [i, j, k] = self.triangles[element as usize];
             let (ta, tb, tc) = (self.uvs[i as usize], self.uvs[j as usize], self.uvs[k as usize]);
             let (d1, d2) = (tb - ta, tc - ta);
-            // Solves e1 = d1.x dpdu + d1.y dpdv, e2 = d2.x dpdu + d2.y dpdv for dpdu. [Pharr et al. 2023, sec. 6.5.3]
+            // Solves e1 = d1.x dpdu + d1.y dpdv, e2 = d2.x dpdu + d2.y dpdv. [Pharr et al. 2023, sec. 6.5.3]
             let determinant = d1.x * d2.y - d1.y * d2.x;
-            (ta * w + tb * u + tc * v, ((b - a) * d2.y - (c - a) * d1.y) / determinant)
+            let (e1, e2) = (b - a, c - a);
+            let dpdv = if HAS & TEXTURES == 0 { Vec3::ZERO } else { (e2 * d1.x - e1 * d2.x) / determinant };
+            (ta * w + tb * u + tc * v, (e1 * d2.y - e2 * d1.y) / determinant, dpdv)
         };
-        // Length and direction must survive being squared; a degenerate parametrisation has any tangent.
-        let square = dpdu.length_squared();
-        let dpdu = if square.is_finite() && square > 0.0 { dpdu } else { tangent(ng) };
+        let (dpdu, dpdv) = tangents(ng, dpdu, dpdv);
         let color = if HAS & TEXTURES == 0 || self.colors.is_empty() {
             Rgb::WHITE
         } else {
             let [i, j, k] = self.triangles[element as usize];
             self.colors[i as usize] * w + self.colors[j as usize] * u + self.colors[k as usize] * v
         };
-        Local { p, p_error, ng, ns, dpdu, uv, color }
+        Local { p, p_error, ng, ns, dpdu, dpdv, uv, color }
     }
 }

@@ -16,11 +16,11 @@ use glam::Vec3;
 /// All geometry of a scene with the hierarchy over it.
 ///
 /// ```
-/// use etendue_core::{geometry::{Geometry, Shape, Sphere}, ray::{PrimitiveId, Ray}, specialise};
+/// use etendue_core::{geometry::{Geometry, Sphere}, ray::Ray, specialise};
 /// use glam::Vec3;
 ///
 /// let ball = Sphere { center: Vec3::ZERO, radius: 1.0, inverted: false };
-/// let geometry = Geometry::build(vec![Shape::Sphere(ball)], vec![], vec![]);
+/// let geometry = Geometry::build(vec![ball.into()], vec![], vec![]);
 /// let ray = Ray::new(Vec3::new(0.0, 0.0, 3.0), Vec3::NEG_Z);
 /// let hit = specialise!(geometry.has(), HAS => geometry.closest::<HAS>(&ray)).unwrap();
 /// assert_eq!(hit.t, 2.0);
@@ -109,6 +109,7 @@ impl Geometry {
             ng: local.ng,
             ns: local.ns,
             dpdu: local.dpdu,
+            dpdv: local.dpdv,
             uv: local.uv,
             color: local.color,
             shape,
@@ -157,7 +158,7 @@ impl Geometry {
     pub fn triangle(&self, shape: u32, element: u32) -> [Vec3; 3] {
         match &self.top.shapes[shape as usize] {
             Shape::Mesh(mesh) => mesh.vertices(element),
-            Shape::Sphere(_) | Shape::Disk(_) => panic!("shape {shape} is no mesh"),
+            Shape::Sphere(..) | Shape::Disk(..) | Shape::Cylinder(..) => panic!("shape {shape} is no mesh"),
         }
     }
 
@@ -166,7 +167,7 @@ impl Geometry {
         self.spaces().map(Space::triangle_count).sum()
     }
 
-    /// Number of triangles, spheres and disks stored, those of groups once.
+    /// Number of triangles, spheres, disks and cylinders stored, those of groups once.
     pub fn primitive_count(&self) -> usize {
         self.spaces().map(Space::primitive_count).sum()
     }

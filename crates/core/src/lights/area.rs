@@ -2,12 +2,12 @@
 
 use crate::{
     frame::Frame,
-    geometry::{Disk, Sphere, offset::gamma},
+    geometry::{Cylinder, Disk, Sphere, offset::gamma},
     rgb::Rgb,
     warp::{cone_pdf, sample_cone, sample_disk, sample_sphere, sample_triangle},
 };
 use glam::{Vec2, Vec3};
-use std::f64::consts::PI;
+use std::{f32::consts::TAU, f64::consts::PI};
 
 /// An emissive shape in the world: the same radiance from every point of the side its normal points to.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,8 @@ pub enum AreaShape {
     Sphere(Sphere),
     /// A disk.
     Disk(Disk),
+    /// The side of a cylinder; an inverted one emits inwards.
+    Cylinder(Cylinder),
 }
 
 /// A point on a shape.
@@ -68,6 +70,7 @@ impl From<AreaLight> for Emitter {
             }
             AreaShape::Sphere(s) => (4.0 * f64::from(s.radius).powi(2) * PI, Vec3::ZERO),
             AreaShape::Disk(d) => (f64::from(d.radius).powi(2) * PI, d.normal),
+            AreaShape::Cylinder(c) => (c.axis.as_dvec3().length() * f64::from(c.radius) * 2.0 * PI, Vec3::ZERO),
         };
         Emitter { shape: light.shape, radiance: light.radiance, area: area as f32, normal }
     }
@@ -100,6 +103,17 @@ impl Emitter {
                     p: d.center + x + y,
                     p_error: gamma(6) * (d.center.abs() + x.abs() + y.abs()),
                     normal: d.normal,
+                }
+            }
+            AreaShape::Cylinder(c) => {
+                let frame = Frame::from_normal(c.axis.normalize());
+                let (sin, cos) = (TAU * u.x).sin_cos();
+                let outwards = frame.tangent * cos + frame.bitangent * sin;
+                let (along, arm) = (c.axis * u.y, outwards * c.radius);
+                AreaPoint {
+                    p: c.from + along + arm,
+                    p_error: gamma(6) * (c.from.abs() + along.abs() + arm.abs()),
+                    normal: if c.inverted { -outwards } else { outwards },
                 }
             }
         }

@@ -320,8 +320,9 @@ fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>
                         push(AreaShape::Triangle(t.map(|v| mesh.positions[v as usize])));
                     }
                 }
-                Shape::Sphere(sphere) => push(AreaShape::Sphere(*sphere)),
-                Shape::Disk(disk) => push(AreaShape::Disk(*disk)),
+                Shape::Sphere(sphere, _) => push(AreaShape::Sphere(*sphere)),
+                Shape::Disk(disk, _) => push(AreaShape::Disk(*disk)),
+                Shape::Cylinder(cylinder, _) => push(AreaShape::Cylinder(*cylinder)),
             }
         }
         infos.push(ShapeInfo { material: object.material as u32, first_element, absorption: object.absorption });

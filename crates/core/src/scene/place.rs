@@ -5,10 +5,10 @@ use super::{
     error::{Kind, Problem, SceneError},
 };
 use crate::{
-    geometry::{Disk, Mesh, Shape, Sphere},
+    geometry::{Axes, Cylinder, Disk, Mesh, Shape, Sphere},
     rgb::Rgb,
 };
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 
 /// Largest relative difference between the scales along two axes that still counts as uniform: transforms come from
 /// text with six or seven digits.
@@ -31,28 +31,48 @@ pub(super) fn check_transform(transform: &DAffine3) -> Result<(), Problem> {
     if size > 0.0 && determinant.abs() > 1e-12 * size { Ok(()) } else { Err(Problem::SingularTransform) }
 }
 
-/// The unit square, or the cube from -1 to 1.
-fn quads(faces: &[[DVec3; 4]]) -> (Vec<DVec3>, Vec<Vec2>, Vec<[u32; 3]>) {
-    let corner_uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+/// A square face by its corners, counter-clockwise, and the directions in which the texture coordinates grow: by 1 over
+/// its edge of 2, from 0.
+struct Face {
+    corners: [DVec3; 4],
+    uv: [DVec3; 2],
+}
+
+fn quads(faces: &[Face]) -> (Vec<DVec3>, Vec<Vec2>, Vec<[u32; 3]>) {
     let (mut positions, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     for face in faces {
         let first = positions.len() as u32;
-        positions.extend_from_slice(face);
-        uvs.extend_from_slice(&corner_uvs);
+        positions.extend_from_slice(&face.corners);
+        uvs.extend(face.corners.map(|p| {
+            let [u, v] = face.uv.map(|along| 0.5 + 0.5 * p.dot(along));
+            Vec2::new(u as f32, v as f32)
+        }));
         triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
     (positions, uvs, triangles)
 }
 
-fn rectangle_face() -> [DVec3; 4] {
+fn square() -> [DVec3; 4] {
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0))
 }
 
-fn cube_faces() -> Vec<[DVec3; 4]> {
-    // Each face is the rectangle moved to z = 1 and turned by a rotation that takes +z to the face's normal.
-    let turn = |x: DVec3, y: DVec3| rectangle_face().map(|p| x * p.x + y * p.y + x.cross(y));
+fn rectangle_face() -> Face {
+    Face { corners: square(), uv: [DVec3::X, DVec3::Y] }
+}
+
+fn cube_faces() -> [Face; 6] {
+    // Each face is the square moved to z = 1 and turned by a rotation that takes +z to the face's normal.
+    let turn = |x: DVec3, y: DVec3, uv| Face { corners: square().map(|p| x * p.x + y * p.y + x.cross(y)), uv };
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    vec![turn(x, y), turn(y, x), turn(y, z), turn(z, y), turn(z, x), turn(x, z)]
+    // The texture coordinates are those of Mitsuba 3.9.1, on each face left-handed as seen from outside.
+    [
+        turn(x, y, [y, x]),
+        turn(y, x, [-y, x]),
+        turn(y, z, [y, -z]),
+        turn(z, y, [y, z]),
+        turn(z, x, [-x, -z]),
+        turn(x, z, [z, x]),
+    ]
 }
 
 /// What an object's shape is before rounding: what the world's bounds are taken from.
@@ -60,9 +80,11 @@ pub(super) enum Placed {
     /// Positions in the world, the rest as the mesh has it.
     Mesh { positions: Vec<DVec3>, normals: Vec<Vec3>, uvs: Vec<Vec2>, colors: Vec<Rgb>, triangles: Vec<[u32; 3]> },
     /// A sphere in the world.
-    Sphere { center: DVec3, radius: f64, inverted: bool },
-    /// A disk in the world.
-    Disk { center: DVec3, normal: DVec3, radius: f64 },
+    Sphere { center: DVec3, radius: f64, inverted: bool, axes: Axes },
+    /// A disk in the world; its normal is the last of the axes.
+    Disk { center: DVec3, radius: f64, axes: Axes },
+    /// A cylinder in the world.
+    Cylinder { from: DVec3, axis: DVec3, radius: f64, inverted: bool, axes: Axes },
 }
 
 impl Placed {
@@ -74,6 +96,10 @@ impl Placed {
             }
             Placed::Sphere { center, radius, .. } | Placed::Disk { center, radius, .. } => {
                 (*center - DVec3::splat(*radius), *center + DVec3::splat(*radius))
+            }
+            Placed::Cylinder { from, axis, radius, .. } => {
+                let to = *from + *axis;
+                (from.min(to) - DVec3::splat(*radius), from.max(to) + DVec3::splat(*radius))
             }
         }
     }
@@ -88,27 +114,66 @@ impl Placed {
                 }
                 Shape::Mesh(Mesh { positions, normals, uvs, colors, triangles })
             }
-            Placed::Sphere { center, radius, inverted } => {
-                Shape::Sphere(Sphere { center: (center - middle).as_vec3(), radius: radius as f32, inverted })
+            Placed::Sphere { center, radius, inverted, axes } => {
+                let center = round_center(center - middle, radius)?;
+                Shape::Sphere(Sphere { center, radius: radius as f32, inverted }, axes)
             }
-            Placed::Disk { center, normal, radius } => Shape::Disk(Disk {
-                center: (center - middle).as_vec3(),
-                normal: normal.as_vec3(),
-                radius: radius as f32,
-            }),
+            Placed::Disk { center, radius, axes } => {
+                let center = round_center(center - middle, radius)?;
+                Shape::Disk(Disk { center, normal: axes.z, radius: radius as f32 }, axes)
+            }
+            Placed::Cylinder { from, axis, radius, inverted, axes } => {
+                let from = round_center(from - middle, radius)?;
+                let axis = axis.as_vec3();
+                if !axis.length_squared().is_normal() {
+                    let value = f64::from(axis.length());
+                    return Err(out_of_range("length of the axis in the world", value));
+                }
+                Shape::Cylinder(Cylinder { from, axis, radius: radius as f32, inverted }, axes)
+            }
         };
-        match &shape {
-            Shape::Sphere(Sphere { center, radius, .. }) | Shape::Disk(Disk { center, radius, .. })
-                if !(center.is_finite() && radius.is_normal() && *radius > 0.0) =>
-            {
-                Err(Problem::OutOfRange {
-                    what: "radius in the world",
-                    value: f64::from(*radius),
-                    expected: "a positive single-precision number",
-                })
-            }
-            _ => Ok(shape),
-        }
+        Ok(shape)
+    }
+}
+
+/// A point in single precision, where a radius about it is a normal number, too.
+fn round_center(center: DVec3, radius: f64) -> Result<Vec3, Problem> {
+    let (center, radius) = (center.as_vec3(), radius as f32);
+    if center.is_finite() && radius.is_normal() && radius > 0.0 {
+        Ok(center)
+    } else {
+        Err(out_of_range("radius in the world", f64::from(radius)))
+    }
+}
+
+fn out_of_range(what: &'static str, value: f64) -> Problem {
+    Problem::OutOfRange { what, value, expected: "a positive single-precision number" }
+}
+
+/// The axes of a transform that scales them alike.
+fn axes(matrix: DMat3) -> Axes {
+    let x = matrix.x_axis.normalize();
+    let y = (matrix.y_axis - x * x.dot(matrix.y_axis)).normalize();
+    let z = x.cross(y) * matrix.determinant().signum();
+    Axes { x: x.as_vec3(), y: y.as_vec3(), z: z.as_vec3() }
+}
+
+/// The scale of a transform that is nothing but a scale, a rotation and perhaps a reflection.
+fn uniform_scale(matrix: DMat3) -> Option<f64> {
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let scale = columns[0].length();
+    let alike = columns.iter().all(|c| (c.length() - scale).abs() <= UNIFORM * scale);
+    let orthogonal = [(0, 1), (1, 2), (2, 0)]
+        .iter()
+        .all(|&(i, j)| columns[i].dot(columns[j]).abs() <= UNIFORM * columns[i].length() * columns[j].length());
+    (alike && orthogonal).then_some(scale)
+}
+
+fn check_radius(radius: f64) -> Result<(), Problem> {
+    if radius.is_finite() && radius > 0.0 {
+        Ok(())
+    } else {
+        Err(Problem::OutOfRange { what: "radius", value: radius, expected: "positive and finite" })
     }
 }
 
@@ -146,7 +211,7 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
     let mirrored = matrix.determinant() < 0.0;
     // A mirroring transform turns the winding around, and with it what "outside" means; normals do not mirror so.
     let wind = |t: [u32; 3]| if mirrored { [t[0], t[2], t[1]] } else { t };
-    let place_quads = |faces: &[[DVec3; 4]]| {
+    let place_quads = |faces: &[Face]| {
         let (positions, uvs, triangles) = quads(faces);
         Placed::Mesh {
             positions: positions.iter().map(|p| transform.transform_point3(*p)).collect(),
@@ -173,28 +238,44 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
                 triangles: mesh.triangles.iter().map(|t| wind(*t)).collect(),
             })
         }
-        ObjectShape::Cylinder { .. } => unimplemented!(),
         ObjectShape::Rectangle => Ok(place_quads(&[rectangle_face()])),
         ObjectShape::Cube => Ok(place_quads(&cube_faces())),
         ObjectShape::Sphere { center, radius, inverted } => {
             if !center.is_finite() {
                 return Err(Problem::NotFinite { what: "centre", index: 0 });
             }
-            if !(radius.is_finite() && *radius > 0.0) {
-                return Err(Problem::OutOfRange { what: "radius", value: *radius, expected: "positive and finite" });
-            }
-            let scales = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::length);
-            let orthogonal =
-                [(matrix.x_axis, matrix.y_axis), (matrix.y_axis, matrix.z_axis), (matrix.z_axis, matrix.x_axis)]
-                    .iter()
-                    .all(|(a, b)| a.dot(*b).abs() <= UNIFORM * a.length() * b.length());
-            if !orthogonal || scales.iter().any(|s| (s - scales[0]).abs() > UNIFORM * scales[0]) {
-                return Err(Problem::NonUniformScale("a sphere"));
-            }
+            check_radius(*radius)?;
+            let scale = uniform_scale(matrix).ok_or(Problem::NonUniformScale("a sphere"))?;
             Ok(Placed::Sphere {
                 center: transform.transform_point3(*center),
-                radius: radius * scales[0],
+                radius: radius * scale,
                 inverted: *inverted,
+                axes: axes(matrix),
+            })
+        }
+        ObjectShape::Cylinder { from, to, radius, inverted } => {
+            for (index, end) in [from, to].into_iter().enumerate() {
+                if !end.is_finite() {
+                    return Err(Problem::NotFinite { what: "end", index });
+                }
+            }
+            check_radius(*radius)?;
+            let scale = uniform_scale(matrix).ok_or(Problem::NonUniformScale("a cylinder"))?;
+            let along = *to - *from;
+            let direction = along.try_normalize().ok_or(Problem::OutOfRange {
+                what: "distance between its ends",
+                value: along.length(),
+                expected: "positive and finite",
+            })?;
+            // The angle is zero where Mitsuba has it.
+            let about = Axes::about(direction.as_vec3());
+            let turned = |v: Vec3| (matrix * v.as_dvec3() / scale).as_vec3();
+            Ok(Placed::Cylinder {
+                from: transform.transform_point3(*from),
+                axis: matrix * along,
+                radius: radius * scale,
+                inverted: *inverted,
+                axes: Axes { x: turned(about.x), y: turned(about.y), z: turned(about.z) },
             })
         }
         ObjectShape::Disk => {
@@ -203,12 +284,7 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
             if !alike || x.dot(y).abs() > UNIFORM * x.length() * y.length() {
                 return Err(Problem::NonUniformScale("a disk"));
             }
-            let normal = x.cross(y).normalize();
-            Ok(Placed::Disk {
-                center: transform.translation,
-                normal: if mirrored { -normal } else { normal },
-                radius: x.length(),
-            })
+            Ok(Placed::Disk { center: transform.translation, radius: x.length(), axes: axes(matrix) })
         }
     }
 }
