@@ -1,7 +1,6 @@
 //! Cameras.
 mod runtime;
 
-pub(crate) use runtime::unit_axes;
 pub use runtime::{Camera, CameraError, CameraSample};
 
 use glam::{DAffine3, UVec2};
