@@ -152,8 +152,11 @@ fn spot(plugin: &Plugin) -> Result<DeltaLight, LoadError> {
         return Err(plugin.error_at("beam_width", "the parameter `beam_width` is not from 0 to `cutoff_angle`"));
     }
     let to_world = plugin.to_world()?;
-    // Mitsuba looks its image up with both coordinates growing along its axes, x to the left and y up: it stands on its head.
-    let image = plugin.texture("texture", REFLECTANCE)?.map(|image| (turned(image), to_world.matrix3.y_axis));
+    // Mitsuba looks its image up with both coordinates growing along its axes, y up and x to the left, unless mirrored: the
+    // image stands on its head.
+    let mirrored = to_world.matrix3.determinant() < 0.0;
+    let upright = |image| if mirrored { image } else { turned(image) };
+    let image = plugin.texture("texture", REFLECTANCE)?.map(|image| (upright(image), to_world.matrix3.y_axis));
     Ok(DeltaLight::Spot {
         position: to_world.translation,
         direction: to_world.matrix3.z_axis.normalize(),

@@ -52,6 +52,9 @@ impl Domain {
 
 /// What textures hold here: colours or numbers.
 pub(super) trait Value: Texel + PartialEq {
+    /// Whether the two values of a checkerboard are exchanged: Mitsuba 3.9.1 looks colours up one way (`eval`) and numbers the
+    /// other (`eval_1`).
+    const EXCHANGED: bool;
     /// A constant parameter.
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Self>, LoadError>;
     /// The components, each of which the domain bounds, changed.
@@ -67,6 +70,8 @@ pub(super) trait Value: Texel + PartialEq {
 }
 
 impl Value for Rgb {
+    const EXCHANGED: bool = false;
+
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Rgb>, LoadError> {
         if domain == REFLECTANCE { plugin.reflectance(name) } else { plugin.colour(name, domain.meaning) }
     }
@@ -93,6 +98,8 @@ impl Value for Rgb {
 }
 
 impl Value for f32 {
+    const EXCHANGED: bool = true;
+
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<f32>, LoadError> {
         let Some(value) = plugin.float(name)? else { return Ok(None) };
         // What is smoother than the core allows is made as smooth as that.
@@ -170,11 +177,12 @@ pub(super) fn texture<'d, T: Value>(
     let plugin = Plugin::new(reader, node)?;
     let texture = match plugin.kind {
         "bitmap" => bitmap(&plugin, domain)?,
-        "checkerboard" => Texture::Checkerboard {
-            even: square(&plugin, "color0", domain, 0.4, depth)?,
-            odd: square(&plugin, "color1", domain, 0.2, depth)?,
-            to_uv: to_uv(&plugin)?,
-        },
+        "checkerboard" => {
+            let even = square(&plugin, "color0", domain, 0.4, depth)?;
+            let odd = square(&plugin, "color1", domain, 0.2, depth)?;
+            let (even, odd) = if T::EXCHANGED { (odd, even) } else { (even, odd) };
+            Texture::Checkerboard { even, odd, to_uv: to_uv(&plugin)? }
+        }
         "mesh_attribute" | "vertexcolors" => attribute(&plugin)?,
         "scale" => scaled(&plugin, domain, depth)?,
         _ => return Err(plugin.unknown_kind(&KINDS)),

@@ -40,6 +40,11 @@ fn images_of_spots_and_projectors_stand_as_in_mitsuba() {
     assert_eq!(up, DVec3::Y);
     assert_eq!([at(&image, 0.75, 0.25), at(&image, 0.25, 0.25), at(&image, 0.75, 0.75)], [RED, GREEN, BLUE]);
 
+    // Mirrored, its x is to the right.
+    let mirrored = spot.replace("</emitter>", "<transform name=\"to_world\"><scale x=\"-1\"/></transform></emitter>");
+    let DeltaLight::Spot { image: Some((image, _)), .. } = light(&mirrored) else { panic!() };
+    assert_eq!([at(&image, 0.25, 0.25), at(&image, 0.75, 0.25)], [RED, GREEN]);
+
     let projector = format!(
         "<emitter type=\"projector\"><float name=\"fov\" value=\"60\"/><float name=\"scale\" value=\"2\"/>{}</emitter>",
         IMAGE.replace("NAME", "irradiance")
