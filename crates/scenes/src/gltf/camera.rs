@@ -14,6 +14,9 @@ use std::f64::consts::PI;
 const LONGER_SIDE: f64 = 1024.0;
 const ASPECT: f64 = 4.0 / 3.0;
 
+/// How much of the image's width and height a scene without a camera fills at most.
+const MARGIN: f64 = 0.9;
+
 /// The camera of a node.
 pub(super) fn camera(root: &Root, index: usize, to_world: &DAffine3) -> Result<CameraDescription, Flaw> {
     let camera = item(&root.cameras, "cameras", index)?;
@@ -58,7 +61,7 @@ fn resolution(aspect: f64) -> UVec2 {
     UVec2::new(side(LONGER_SIDE * aspect.min(1.0)), side(LONGER_SIDE / aspect.max(1.0)))
 }
 
-/// A camera that sees all of a scene from the front, above, and right; none if there is nothing to see.
+/// A camera that sees all of a scene from the front, above, and right; none if there is nothing of finite size to see.
 pub(super) fn default_camera(scene: &SceneDescription) -> Option<CameraDescription> {
     let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut add = |object: &Object, place: &DAffine3| {
@@ -73,14 +76,27 @@ pub(super) fn default_camera(scene: &SceneDescription) -> Option<CameraDescripti
         scene.groups[instance.group].objects.iter().for_each(|object| add(object, &instance.to_world));
     }
     let (low, high) = bounds;
+    if !(low.is_finite() && high.is_finite()) {
+        return None;
+    }
     let middle = (low + high) * 0.5;
-    let radius = (high - low).length() * 0.5;
-    // A point is seen from a distance of 1.
-    let radius = if radius > 0.0 { radius } else { 1.0 };
-    let fov_x = 40f64.to_radians();
-    let smaller = ((0.5 * fov_x).tan() / ASPECT).atan();
     let towards = DVec3::new(0.5, 0.4, 1.0).normalize();
-    let to_world = look_at(middle + towards * (radius / smaller.sin()), middle, DVec3::Y)?;
+    let turned = look_at(towards, DVec3::ZERO, DVec3::Y)?.matrix3;
+    let fov_x = 40f64.to_radians();
+    // What is seen at a distance of 1 to each side and above, but for a margin.
+    let side = MARGIN * (0.5 * fov_x).tan();
+    let above = side / ASPECT;
+    // How far back each corner of the bounds drives the camera.
+    let distance = (0..8).map(|i| {
+        let pick = |bit: i32, low: f64, high: f64| if i & bit == 0 { low } else { high };
+        let corner = DVec3::new(pick(1, low.x, high.x), pick(2, low.y, high.y), pick(4, low.z, high.z));
+        let seen = turned.transpose() * (corner - middle);
+        (seen.x.abs() / side).max(seen.y.abs() / above) - seen.z
+    });
+    let distance = distance.fold(0.0, f64::max);
+    // A point is seen from a distance of 1.
+    let distance = if distance > 0.0 { distance } else { 1.0 };
+    let to_world = DAffine3::from_mat3_translation(turned, middle + towards * distance);
     let projection = Projection::Perspective { fov_x };
     Some(CameraDescription { projection, to_world, resolution: resolution(ASPECT), crop: None })
 }

@@ -10,20 +10,20 @@ use etendue_core::{
 use etendue_scenes::{gltf, image_file, load, obj, ply, serialized};
 use std::{cell::OnceCell, path::Path};
 
-pub(crate) fn ply(bytes: &[u8]) {
+pub fn ply(bytes: &[u8]) {
     if let Ok(mesh) = ply::read(bytes) {
         mesh_is_sound(&mesh);
     }
 }
 
-pub(crate) fn obj(bytes: &[u8]) {
+pub fn obj(bytes: &[u8]) {
     if let Ok(mesh) = obj::read(bytes) {
         mesh_is_sound(&mesh);
     }
 }
 
 /// The first shapes of a container.
-pub(crate) fn serialized(bytes: &[u8]) {
+pub fn serialized(bytes: &[u8]) {
     for shape in 0..3 {
         if let Ok(mesh) = serialized::read(bytes, shape) {
             mesh_is_sound(&mesh);
@@ -31,20 +31,20 @@ pub(crate) fn serialized(bytes: &[u8]) {
     }
 }
 
-pub(crate) fn gltf(bytes: &[u8]) {
+pub fn gltf(bytes: &[u8]) {
     if let Ok(scene) = gltf::read(bytes, None) {
         scene_is_sound(&scene.description);
     }
 }
 
-pub(crate) fn exr(bytes: &[u8]) {
+pub fn exr(bytes: &[u8]) {
     if let Ok(image) = image_file::read_exr(bytes) {
         bitmap_is_sound(&image.bitmap);
     }
 }
 
 /// An image in Radiance's format.
-pub(crate) fn hdr(bytes: &[u8]) {
+pub fn hdr(bytes: &[u8]) {
     in_folder("image.hdr", bytes, |path| {
         if let Ok(image) = image_file::read(path) {
             bitmap_is_sound(&image.bitmap);
@@ -53,7 +53,7 @@ pub(crate) fn hdr(bytes: &[u8]) {
 }
 
 /// A scene in Mitsuba's XML, in a folder with files that it may name.
-pub(crate) fn xml(bytes: &[u8]) {
+pub fn xml(bytes: &[u8]) {
     in_folder("scene.xml", bytes, |path| {
         if let Ok(scene) = load(path.to_str().unwrap_or_default()) {
             scene_is_sound(&scene.description);

@@ -206,11 +206,12 @@ pub(crate) fn xml() -> Vec<Vec<u8>> {
         "<include filename=\"i.xml\"/><path value=\".\"/><shape type=\"shapegroup\" id=\"g\"><shape \
          type=\"rectangle\"><ref id=\"i\"/></shape></shape><shape type=\"instance\"><ref id=\"g\"/><transform \
          name=\"toWorld\"><translate value=\"1,2,3\"/></transform></shape><shape type=\"disk\"><bsdf \
-         type=\"bumpmap\"><texture type=\"checkerboard\"><rgb name=\"color0\" value=\"#ff8000\"/></texture><bsdf \
-         type=\"mask\"><float name=\"opacity\" value=\".5\"/><bsdf type=\"principled\"><float name=\"metallic\" \
+         type=\"bumpmap\"><texture type=\"checkerboard\"><float \
+         name=\"color0\" value=\".2\"/></texture><bsdf \
+         type=\"mask\"><float name=\"opacity\" value=\".5\"/><bsdf type=\"principled\"><rgb \
+         name=\"base_color\" value=\"#ff8000\"/><float name=\"metallic\" \
          value=\".5\"/></bsdf></bsdf></bsdf></shape>\n",
-        "<emitter type=\"sunsky\"><float name=\"turbidity\" value=\"3\"/><vector name=\"sun_direction\" value=\"1 1 \
-         1\"/></emitter><shape type=\"sphere\"><bsdf type=\"conductor\"><string name=\"material\" value=\"Cu\"/></bsdf>\
+        "<shape type=\"sphere\"><bsdf type=\"conductor\"><string name=\"material\" value=\"Cu\"/></bsdf>\
          </shape><shape type=\"sphere\"><bsdf type=\"conductor\"><spectrum name=\"eta\" value=\"400:1.2,700:1.5\"/><spectrum \
          name=\"k\" value=\"3\"/></bsdf></shape>\n",
     ];
