@@ -31,7 +31,7 @@ fn particle(run: &Run, sampler: &mut dyn Sampler, mut visit: impl FnMut(&Surface
         sampler.get_2d(0, Purpose::EmissionPoint),
         sampler.get_2d(0, Purpose::EmissionDirection),
     );
-    let Some(e) = scene.lights().sample_emission(u_choice, u_point, u_direction) else { return };
+    let Some(e) = scene.lights().sample_emission::<{ has::ALL }>(u_choice, u_point, u_direction) else { return };
     let ray = Ray::new(offset_origin(e.p, e.p_error, e.normal, e.direction), e.direction);
     let limits = run.settings.limits();
     let mut walk = Walk::<{ has::ALL }>::new(scene, TransportMode::Importance, limits, ray, e.weight(), e.pdf_w);

@@ -36,7 +36,7 @@ pub struct LobeUse {
 pub struct LightCount {
     /// Emitting objects.
     pub area_objects: usize,
-    /// Emitting triangles, spheres and disks.
+    /// Emitting triangles, spheres, disks and cylinders.
     pub area_elements: usize,
     /// Point lights.
     pub point: usize,
@@ -67,7 +67,7 @@ pub enum EnvironmentUse {
 pub struct Census {
     /// Triangles as placed (instances counted once a group).
     pub triangles: usize,
-    /// Analytic spheres and disks.
+    /// Analytic spheres, disks and cylinders.
     pub curved: usize,
     /// Placements of groups.
     pub instances: usize,
@@ -77,8 +77,12 @@ pub struct Census {
     pub mixtures: usize,
     /// Materials in use with a texture.
     pub textured_materials: usize,
+    /// Objects whose material has a relief.
+    pub reliefs: usize,
     /// Lights.
     pub lights: LightCount,
+    /// Emitting objects whose radiance varies.
+    pub textured_lights: usize,
     /// Objects whose inside absorbs light.
     pub absorbing: usize,
     /// Light from infinity.
@@ -102,7 +106,9 @@ impl Census {
             lobes: Vec::new(),
             mixtures: 0,
             textured_materials: 0,
+            reliefs: 0,
             lights: LightCount::default(),
+            textured_lights: 0,
             absorbing: 0,
             environment: scene.environment.as_ref().and_then(environment_use),
             casters: 0,
@@ -119,7 +125,8 @@ impl Census {
             };
             census.triangles += elements;
             census.curved += usize::from(elements == 0 && !matches!(object.shape, ObjectShape::Mesh(_)));
-            if object.emission.as_ref().is_some_and(|e| *e != Texture::Constant(Rgb::BLACK)) {
+            if let Some(emission) = object.emission.as_ref().filter(|e| **e != Texture::Constant(Rgb::BLACK)) {
+                census.textured_lights += usize::from(!emission.is_constant());
                 census.lights.area_objects += 1;
                 census.lights.area_elements += elements.max(1);
             }
@@ -127,6 +134,7 @@ impl Census {
             if let Some(named) = scene.materials.get(object.material) {
                 used[object.material] = true;
                 census.mixtures += usize::from(is_mixture(&named.material));
+                census.reliefs += usize::from(matches!(named.material, Material::Relief { .. }));
                 census.count_lobes(&named.material);
             }
         }
@@ -184,7 +192,7 @@ impl Census {
         set(has::LOBES, self.mixtures > 0 || self.lobes.iter().any(|l| l.kind != LobeKind::Lambert));
         set(has::INFINITE, self.environment.is_some() || self.lights.directional > 0);
         set(has::MEDIA, self.absorbing > 0);
-        set(has::TEXTURES, self.textured_materials > 0);
+        set(has::TEXTURES, self.textured_materials + self.reliefs + self.textured_lights > 0);
         bits
     }
 }
@@ -225,7 +233,7 @@ fn environment_use(environment: &Environment) -> Option<EnvironmentUse> {
 impl fmt::Display for Census {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "triangles: {}", self.triangles)?;
-        writeln!(f, "spheres and disks: {}", self.curved)?;
+        writeln!(f, "spheres, disks and cylinders: {}", self.curved)?;
         writeln!(f, "instances: {}", self.instances)?;
         for l in &self.lobes {
             write!(f, "{}: {} objects", l.kind.name(), l.objects)?;
@@ -242,10 +250,13 @@ impl fmt::Display for Census {
         }
         writeln!(f, "mixtures: {} objects", self.mixtures)?;
         writeln!(f, "textured materials: {}", self.textured_materials)?;
+        writeln!(f, "reliefs: {} objects", self.reliefs)?;
         writeln!(f, "absorbing insides: {} objects", self.absorbing)?;
         let l = &self.lights;
-        writeln!(f, "area lights: {} ({} elements)", l.area_objects, l.area_elements)?;
-        writeln!(f, "point, spot, directional lights: {}, {}, {}", l.point, l.spot, l.directional)?;
+        let (objects, textured) = (l.area_objects, self.textured_lights);
+        writeln!(f, "area lights: {objects} ({} elements), {textured} of them textured", l.area_elements)?;
+        writeln!(f, "point lights, spots, projectors: {}, {}, {}", l.point, l.spot, l.projector)?;
+        writeln!(f, "directional lights: {}", l.directional)?;
         match &self.environment {
             None => writeln!(f, "environment: none")?,
             Some(EnvironmentUse::Constant) => writeln!(f, "environment: constant")?,

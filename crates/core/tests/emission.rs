@@ -3,7 +3,8 @@
 mod sampling;
 
 use etendue_core::{
-    geometry::{Disk, Sphere},
+    has::ALL,
+    geometry::{Cylinder, Disk, Sphere},
     lights::{
         AreaLight, AreaShape, BoundingSphere, EmissionSample, LightChoice, Lights,
         environment::{Environment, Rows},
@@ -19,10 +20,12 @@ use std::{f64::consts::PI, sync::Arc};
 const WORLD: BoundingSphere = BoundingSphere { center: Vec3::new(1.0, -2.0, 0.5), radius: 4.0 };
 const SPHERE: Sphere = Sphere { center: Vec3::new(0.5, 0.2, 0.1), radius: 0.7, inverted: false };
 const DISK: Disk = Disk { center: Vec3::new(0.0, 1.0, 0.0), normal: Vec3::new(0.0, -0.6, 0.8), radius: 0.4 };
+const CYLINDER: Cylinder =
+    Cylinder { from: Vec3::new(0.5, 0.2, 0.1), axis: Vec3::new(0.6, 0.0, -0.8), radius: 0.3, inverted: false };
 const TRIANGLE: [Vec3; 3] = [Vec3::new(-1.0, 2.0, -1.0), Vec3::new(1.5, 2.0, -0.5), Vec3::new(0.2, 2.5, 1.5)];
 
 fn area(shape: AreaShape) -> Lights {
-    Lights::build(vec![AreaLight { shape, radiance: Rgb::WHITE }], vec![], None, WORLD, LightChoice::Power)
+    Lights::build(vec![AreaLight { shape, emission: Rgb::WHITE.into() }], vec![], None, WORLD, LightChoice::Power)
 }
 
 fn delta(light: DeltaLight) -> Lights {
@@ -46,7 +49,7 @@ fn sky(environment: Environment) -> Lights {
 }
 
 fn sample(lights: &Lights, random: &mut Random) -> Option<EmissionSample> {
-    let sample = lights.sample_emission(random.f32(), random.vec2(), random.vec2())?;
+    let sample = lights.sample_emission::<ALL>(random.f32(), random.vec2(), random.vec2())?;
     let density = lights.emission_density(sample.element, sample.normal, sample.direction);
     assert_eq!((density.choice, density.pdf_a, density.pdf_w), (sample.choice, sample.pdf_a, sample.pdf_w));
     assert!((sample.direction.length() - 1.0).abs() < 1e-5 && sample.weight().is_valid());
@@ -73,6 +76,7 @@ fn the_mean_weight_is_the_flux() {
         ("sphere", area(AreaShape::Sphere(SPHERE)), 4.0 * PI * PI * 0.49),
         ("inverted sphere", area(AreaShape::Sphere(inverted)), 4.0 * PI * PI * 0.49),
         ("disk", area(AreaShape::Disk(DISK)), PI * PI * 0.16),
+        ("cylinder", area(AreaShape::Cylinder(CYLINDER)), 2.0 * PI * PI * 0.3),
         ("point", delta(DeltaLight::Point { position: DVec3::X, intensity: Rgb::WHITE }), 4.0 * PI),
         ("spot", delta(spot(0.4, 0.7)), spot_integral(0.4, 0.7)),
         ("wide spot", delta(spot(0.0, 3.1)), spot_integral(0.0, 3.1)),
@@ -97,11 +101,11 @@ fn the_mean_weight_is_the_flux() {
 #[test]
 fn the_weights_of_all_lights_add_up() {
     let shapes = [AreaShape::Sphere(SPHERE), AreaShape::Disk(DISK), AreaShape::Triangle(TRIANGLE)];
-    let shapes: Vec<_> = shapes.iter().map(|&shape| AreaLight { shape, radiance: Rgb::new(1.0, 0.2, 3.0) }).collect();
+    let shapes: Vec<_> = shapes.iter().map(|&shape| AreaLight { shape, emission: Rgb::new(1.0, 0.2, 3.0).into() }).collect();
     let points = vec![spot(0.3, 0.9), DeltaLight::Directional { direction: DVec3::Y, irradiance: Rgb::splat(0.1) }];
     let mut expected = 0.0;
     let (mut random, n) = (Random::new(32), 400_000);
-    for single in shapes.iter().map(|s| Lights::build(vec![*s], vec![], None, WORLD, LightChoice::Power)).chain([
+    for single in shapes.iter().map(|s| Lights::build(vec![s.clone()], vec![], None, WORLD, LightChoice::Power)).chain([
         delta(points[0].clone()),
         delta(points[1].clone()),
         sky(noise()),
@@ -189,6 +193,15 @@ fn positions_follow_their_density() {
         let (a, b) = DISK.normal.as_dvec3().any_orthonormal_pair();
         (q.length_squared() / 0.16, turn(q.dot(a), q.dot(b)))
     });
+    for inverted in [false, true] {
+        check("cylinder", area(AreaShape::Cylinder(Cylinder { inverted, ..CYLINDER })), &|s| {
+            let (q, axis) = ((s.p - CYLINDER.from).as_dvec3(), CYLINDER.axis.as_dvec3());
+            let outwards = s.normal.as_dvec3() * if inverted { -0.3 } else { 0.3 };
+            assert!((q - axis * q.dot(axis) - outwards).length() < 1e-6 && s.normal.dot(s.direction) > 0.0);
+            let (a, b) = axis.any_orthonormal_pair();
+            (q.dot(axis), turn(q.dot(a), q.dot(b)))
+        });
+    }
     let sun = DeltaLight::Directional { direction: DVec3::new(1.0, 2.0, 3.0), irradiance: Rgb::WHITE };
     for (name, lights) in [("directional", delta(sun)), ("environment", sky(noise()))] {
         check(name, lights, &|s| {

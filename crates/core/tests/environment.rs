@@ -3,6 +3,7 @@
 mod sampling;
 
 use etendue_core::{
+    has::ALL,
     lights::{
         BoundingSphere, LightChoice, Lights,
         environment::{Environment, Rows},
@@ -111,7 +112,7 @@ fn directions_follow_the_image() {
             let mut random = Random::new(21);
             let mut integral = Moments::default();
             let sample = || {
-                let s = lights.sample_direct(Vec3::ONE, random.f32(), random.vec2())?;
+                let s = lights.sample_direct::<ALL>(Vec3::ONE, random.f32(), random.vec2())?;
                 assert!(s.infinite && !s.delta && (s.wi.length() - 1.0).abs() < 1e-5);
                 // Sampling knows where it is in the image; looking the direction up finds the place again but for the
                 // rounding of a direction, which counts by the steepest slope of the image.
@@ -146,7 +147,7 @@ fn the_integral_of_the_image_is_exact() {
     for rows in [Rows::Centred, Rows::PoleToPole] {
         for (name, width, texels) in images() {
             let lights = lights(&lat_long(width, texels, DMat3::IDENTITY, rows));
-            let s = lights.sample_direct(Vec3::ONE, 0.5, Vec2::splat(0.4)).expect("it shines");
+            let s = lights.sample_direct::<ALL>(Vec3::ONE, 0.5, Vec2::splat(0.4)).expect("it shines");
             // Midpoint rule in double precision over the sphere; rows as fine as a sun of one texel needs.
             let (nu, nv) = (1024, 1024);
             let mut sum = 0.0;
@@ -175,7 +176,7 @@ fn extreme_numbers_stay_in_the_image() {
                 let lights = lights(&lat_long(width, values, DMat3::IDENTITY, rows));
                 for (x, y) in edges.iter().flat_map(|&x| edges.map(|y| (x, y))) {
                     // At u = 0 a cell may begin with the value 0, which cannot be sampled.
-                    if let Some(s) = lights.sample_direct(Vec3::ZERO, 0.5, Vec2::new(x, y)) {
+                    if let Some(s) = lights.sample_direct::<ALL>(Vec3::ZERO, 0.5, Vec2::new(x, y)) {
                         assert!(s.pdf_w > 0.0 && s.pdf_w.is_finite() && s.radiance.is_valid(), "{name}: {s:?}");
                     } else {
                         assert!(x.min(y) == 0.0 || x.max(y) > 0.9, "{name}, {rows:?}, {factor}: nothing at {x}, {y}");
@@ -188,7 +189,7 @@ fn extreme_numbers_stay_in_the_image() {
             }
             texels.fill(Rgb::BLACK);
             let black = lights(&lat_long(width, texels, DMat3::IDENTITY, rows));
-            assert!(black.sample_direct(Vec3::ZERO, 0.5, Vec2::splat(0.5)).is_none());
+            assert!(black.sample_direct::<ALL>(Vec3::ZERO, 0.5, Vec2::splat(0.5)).is_none());
             assert_eq!(black.environment_radiance_and_pdf(Vec3::X), (Rgb::BLACK, 0.0));
         }
     }

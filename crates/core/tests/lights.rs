@@ -3,7 +3,8 @@
 mod sampling;
 
 use etendue_core::{
-    geometry::{Disk, Sphere},
+    has::ALL,
+    geometry::{Cylinder, Disk, Sphere},
     lights::{AreaLight, AreaShape, BoundingSphere, LightChoice, Lights, environment::Environment},
     rgb::Rgb,
     scene::DeltaLight,
@@ -15,7 +16,7 @@ use std::f64::consts::PI;
 const WORLD: BoundingSphere = BoundingSphere { center: Vec3::ZERO, radius: 20.0 };
 
 fn area(shape: AreaShape) -> AreaLight {
-    AreaLight { shape, radiance: Rgb::new(1.0, 2.0, 4.0) }
+    AreaLight { shape, emission: Rgb::new(1.0, 2.0, 4.0).into() }
 }
 
 fn sphere(center: Vec3, radius: f32, inverted: bool) -> AreaLight {
@@ -24,6 +25,10 @@ fn sphere(center: Vec3, radius: f32, inverted: bool) -> AreaLight {
 
 fn disk(center: Vec3, normal: Vec3, radius: f32) -> AreaLight {
     area(AreaShape::Disk(Disk { center, normal: normal.normalize(), radius }))
+}
+
+fn cylinder(from: Vec3, axis: Vec3, radius: f32, inverted: bool) -> AreaLight {
+    area(AreaShape::Cylinder(Cylinder { from, axis, radius, inverted }))
 }
 
 fn lights(area: Vec<AreaLight>) -> Lights {
@@ -60,6 +65,19 @@ fn hit(shape: &AreaShape, o: DVec3, d: DVec3) -> Option<(Vec3, Vec3)> {
             let t = if along - root > 0.0 { along - root } else { along + root };
             ((t), (d * t - c) / r * if s.inverted { -1.0 } else { 1.0 })
         }
+        AreaShape::Cylinder(c) => {
+            let (axis, r) = (c.axis.as_dvec3(), f64::from(c.radius));
+            let [f, e] = [o - c.from.as_dvec3(), d].map(|v| v - axis * (v.dot(axis) / axis.length_squared()));
+            let along = -f.dot(e) / e.length_squared();
+            let root = ((r * r - (f + e * along).length_squared()) / e.length_squared()).sqrt();
+            // The outer side emits where the line enters, the inner one where it leaves.
+            let t = if c.inverted { along + root } else { along - root };
+            let height = (o + d * t - c.from.as_dvec3()).dot(axis) / axis.length_squared();
+            if !(0.0..=1.0).contains(&height) {
+                return None;
+            }
+            (t, (f + e * t) / r * if c.inverted { -1.0 } else { 1.0 })
+        }
     };
     (t > 0.0 && normal.dot(d) < 0.0).then(|| ((o + d * t).as_vec3(), normal.as_vec3()))
 }
@@ -83,7 +101,7 @@ fn check_directions(what: &str, shapes: Vec<AreaLight>, from: Vec3, cap: &Cap) {
 fn check_directions_finely(what: &str, shapes: Vec<AreaLight>, from: Vec3, cap: &Cap, fine: usize) {
     let lights = lights(shapes.clone());
     let mut random = Random::new(1);
-    let sample = || Some(lights.sample_direct(from, random.f32(), random.vec2())?.wi.as_dvec3());
+    let sample = || Some(lights.sample_direct::<ALL>(from, random.f32(), random.vec2())?.wi.as_dvec3());
     cap.chi_square(what, 100_000, fine, sample, |w| pdf_of_hits(&lights, &shapes, from, w));
 }
 
@@ -100,12 +118,17 @@ fn directions_to_area_lights_follow_their_density() {
     let sideways = Cap::of_angle(DVec3::new(1.0, 0.0, 1.0).normalize(), 0.56, 24, 48);
     check_directions_finely("triangle from its plane", vec![area(flat)], Vec3::new(-1.0, 0.9, -1.0), &sideways, 128);
     let tilted = disk(Vec3::new(1.0, 2.0, 0.0), Vec3::new(-1.0, -1.5, 0.3), 0.8);
-    check_directions("disk", vec![tilted], Vec3::new(0.0, 0.3, 0.1), &up);
+    check_directions("disk", vec![tilted.clone()], Vec3::new(0.0, 0.3, 0.1), &up);
     check_directions("sphere", vec![sphere(Vec3::new(0.0, 2.0, 1.0), 1.0, false)], Vec3::ZERO, &up);
     let touching = Vec3::new(0.0, 0.999, 0.0);
     check_directions("sphere from nearby", vec![sphere(Vec3::new(0.0, 2.0, 0.0), 1.0, false)], touching, &up);
     check_directions("inside", vec![sphere(Vec3::ZERO, 1.0, true)], Vec3::new(0.3, 0.6, -0.1), &up);
     check_directions("centre", vec![sphere(Vec3::ZERO, 1.0, true)], Vec3::ZERO, &up);
+    let tube = |inverted| vec![cylinder(Vec3::new(-1.0, 1.0, 0.5), Vec3::new(2.0, 0.5, 0.3), 0.6, inverted)];
+    check_directions("cylinder", tube(false), Vec3::ZERO, &up);
+    check_directions("cylinder from nearby", tube(false), Vec3::new(0.0, 0.58, 0.6), &up);
+    check_directions("in a cylinder", tube(true), Vec3::new(0.2, 1.4, 0.5), &up);
+    check_directions("into a cylinder", tube(true), Vec3::new(-2.0, 1.0, 0.3), &up);
     let several = vec![area(TRIANGLE), tilted, sphere(Vec3::new(-2.0, -1.0, 1.0), 0.7, false)];
     check_directions("several", several, Vec3::ZERO, &up);
 }
@@ -134,7 +157,7 @@ fn lights_are_chosen_with_the_probability_that_is_said() {
         let mut random = Random::new(2);
         let n = 300_000;
         for _ in 0..n {
-            let sample = lights.sample_direct(Vec3::ZERO, random.f32(), random.vec2()).expect("all are in sight");
+            let sample = lights.sample_direct::<ALL>(Vec3::ZERO, random.f32(), random.vec2()).expect("all are in sight");
             counts[sample.element as usize] += 1.0;
         }
         let mut expected = vec![0.0; all.len()];
@@ -157,7 +180,7 @@ fn a_million_lights_are_chosen_by_their_power() {
     let n = 1_000_000;
     let triangle = |i: usize| AreaLight {
         shape: AreaShape::Triangle([Vec3::Y, Vec3::Y + Vec3::X, Vec3::Y + Vec3::Z]),
-        radiance: Rgb::splat(if i.is_multiple_of(100) { 52.0 } else { 1.0 }),
+        emission: Rgb::splat(if i.is_multiple_of(100) { 52.0 } else { 1.0 }).into(),
     };
     let lights = lights((0..n).map(triangle).collect());
     assert!(lights.memory_bytes() <= 88 * n as u64);
@@ -166,7 +189,7 @@ fn a_million_lights_are_chosen_by_their_power() {
     let mut bright = Moments::default();
     let mut random = Random::new(3);
     for _ in 0..1_000_000 {
-        if let Some(sample) = lights.sample_direct(Vec3::new(0.2, 0.0, 0.2), random.f32(), random.vec2()) {
+        if let Some(sample) = lights.sample_direct::<ALL>(Vec3::new(0.2, 0.0, 0.2), random.f32(), random.vec2()) {
             bright.add(f64::from(u8::from(sample.element % 100 == 0)));
         }
     }
@@ -178,7 +201,7 @@ fn a_million_lights_are_chosen_by_their_power() {
         let mut own = Moments::default();
         for step in 0..500_000 {
             let u = f64::from(first + step % 20) / steps;
-            let chosen = lights.sample_direct(Vec3::new(0.2, 0.0, 0.2), u.min(1.0 - 1.0 / steps) as f32, random.vec2());
+            let chosen = lights.sample_direct::<ALL>(Vec3::new(0.2, 0.0, 0.2), u.min(1.0 - 1.0 / steps) as f32, random.vec2());
             own.add(f64::from(u8::from(u < 1.0 && chosen.is_some_and(|s| s.element == light))));
         }
         let p = f64::from(lights.choice_probability(light)) * steps / 20.0;
@@ -191,7 +214,7 @@ fn irradiance(lights: &Lights, from: Vec3, n: Vec3, samples: usize, seed: u64) -
     let mut random = Random::new(seed);
     let mut moments = Moments::default();
     for _ in 0..samples {
-        let sample = lights.sample_direct(from, random.f32(), random.vec2());
+        let sample = lights.sample_direct::<ALL>(from, random.f32(), random.vec2());
         moments.add(sample.map_or(0.0, |s| {
             assert!(s.pdf_w > 0.0 && s.pdf_w.is_finite() && s.radiance.is_valid());
             assert!((s.wi.length() - 1.0).abs() < 1e-6);
@@ -234,7 +257,7 @@ fn irradiance_of_a_rectangle() {
         }
     }
     // Nothing behind.
-    assert!(two.sample_direct(Vec3::new(0.0, 2.0, 0.0), 0.5, Vec2::splat(0.5)).is_none());
+    assert!(two.sample_direct::<ALL>(Vec3::new(0.0, 2.0, 0.0), 0.5, Vec2::splat(0.5)).is_none());
 }
 
 #[test]
@@ -256,6 +279,13 @@ fn irradiance_of_spheres_and_disks() {
     for from in [Vec3::ZERO, Vec3::new(0.5, -1.2, 0.3), Vec3::new(0.0, 0.0, 1.99)] {
         irradiance(&around, from, Vec3::Y, 400_000, 6).assert_mean("inside", PI);
     }
+    // On the axis of a cylinder that emits inwards: what its open end does not take.
+    for (radius, height) in [(1.0f32, 2.0f32), (2.0, 0.5)] {
+        let axis = Vec3::new(0.0, 2.0 * height, 0.0);
+        let exact = PI * f64::from(height * height / (radius * radius + height * height));
+        let light = lights(vec![cylinder(-0.5 * axis, axis, radius, true)]);
+        irradiance(&light, Vec3::ZERO, Vec3::Y, 400_000, 13).assert_mean("in a cylinder", exact);
+    }
     for (radius, distance) in [(1.0, 2.0), (3.0, 0.5), (1e-4, 1.0)] {
         let exact = PI * (radius * radius / (radius * radius + distance * distance));
         let light = lights(vec![disk(Vec3::new(0.0, distance as f32, 0.0), -Vec3::Y, radius as f32)]);
@@ -276,17 +306,17 @@ fn irradiance_of_lights_without_extent_and_of_a_constant_environment() {
     let spot = |beam: f64, cutoff: f64| {
         let (position, direction) = (DVec3::new(0.0, 3.0, 0.0), DVec3::new(0.0, -2.0, 0.0));
         let (beam, cutoff) = (beam.to_radians(), cutoff.to_radians());
-        delta(DeltaLight::Spot { position, direction, intensity: Rgb::new(1.0, 2.0, 3.0), beam, cutoff })
+        delta(DeltaLight::Spot { position, direction, intensity: Rgb::new(1.0, 2.0, 3.0), beam, cutoff, image: None })
     };
     for (x, red) in [(0.0, 0.111_111_12), (1.0, 0.1), (1.5, 0.079_614_6), (1.8, 0.049_217_008), (2.2, 0.018_045_124)] {
-        let s = spot(25.0, 40.0).sample_direct(Vec3::new(x, 0.0, 0.0), 0.5, Vec2::splat(0.5)).expect("in the cone");
+        let s = spot(25.0, 40.0).sample_direct::<ALL>(Vec3::new(x, 0.0, 0.0), 0.5, Vec2::splat(0.5)).expect("in the cone");
         assert!((s.radiance.r - red).abs() < 2e-6 && (s.radiance.b - 3.0 * red).abs() < 6e-6, "{x}: {:?}", s.radiance);
         assert!(s.delta && s.pdf_w == 1.0 && s.target_normal == Vec3::ZERO);
     }
-    assert!(spot(25.0, 40.0).sample_direct(Vec3::new(2.6, 0.0, 0.0), 0.5, Vec2::splat(0.5)).is_none());
+    assert!(spot(25.0, 40.0).sample_direct::<ALL>(Vec3::new(2.6, 0.0, 0.0), 0.5, Vec2::splat(0.5)).is_none());
     // No falloff at all: all or nothing.
     let hard = spot(30.0, 30.0);
-    let lit = |x: f32| hard.sample_direct(Vec3::new(x, 0.0, 0.0), 0.5, Vec2::ZERO).map(|s| s.radiance.g);
+    let lit = |x: f32| hard.sample_direct::<ALL>(Vec3::new(x, 0.0, 0.0), 0.5, Vec2::ZERO).map(|s| s.radiance.g);
     assert!((lit(1.73).expect("just inside") - 2.0 / (9.0 + 1.73 * 1.73)).abs() < 1e-6 && lit(1.74).is_none());
 
     let direction = DVec3::new(0.3, -2.0, 0.4);
@@ -328,13 +358,14 @@ fn the_density_of_a_sample_is_that_of_its_hit() {
         disk(Vec3::new(1.0, 2.0, 0.0), Vec3::new(-1.0, -1.5, 0.3), 0.8),
         sphere(Vec3::new(-2.0, -1.0, 1.0), 0.7, false),
         sphere(Vec3::ZERO, 9.0, true),
+        cylinder(Vec3::new(1.8, -1.0, -1.5), Vec3::new(0.0, 0.5, 2.0), 0.5, false),
     ];
     let lights = lights(shapes);
     let mut random = Random::new(12);
-    let mut seen = [0; 4];
+    let mut seen = [0; 5];
     for _ in 0..100_000 {
         let from = (Vec3::new(random.f32(), random.f32(), random.f32()) - 0.5) * 2.0;
-        let Some(s) = lights.sample_direct(from, random.f32(), random.vec2()) else { continue };
+        let Some(s) = lights.sample_direct::<ALL>(from, random.f32(), random.vec2()) else { continue };
         let pdf = lights.pdf_direct(s.element, from, s.target, s.target_normal, s.wi);
         assert!((pdf - s.pdf_w).abs() <= 1e-5 * s.pdf_w, "{s:?}: {pdf}");
         let to = s.target - from;
@@ -352,6 +383,8 @@ fn points_on_lights_and_in_their_planes_give_nothing_or_something_finite() {
         disk(Vec3::ZERO, Vec3::Y, 1.0),
         sphere(Vec3::ZERO, 1.0, false),
         sphere(Vec3::ZERO, 1.0, true),
+        cylinder(-Vec3::Y, Vec3::Y * 2.0, 1.0, false),
+        cylinder(-Vec3::Y, Vec3::Y * 2.0, 1.0, true),
         area(AreaShape::Triangle([Vec3::ONE; 3])),
         area(AreaShape::Triangle([Vec3::ZERO, Vec3::ONE, Vec3::splat(2.0)])),
     ];
@@ -370,10 +403,10 @@ fn points_on_lights_and_in_their_planes_give_nothing_or_something_finite() {
     let edges = [0.0, 2f32.powi(-24), 0.5, 1.0 - 2f32.powi(-24)];
     for shape in shapes {
         let point = DeltaLight::Point { position: DVec3::X, intensity: Rgb::WHITE };
-        let lights = Lights::build(vec![shape], vec![point], None, WORLD, LightChoice::Uniform);
+        let lights = Lights::build(vec![shape.clone()], vec![point], None, WORLD, LightChoice::Uniform);
         for from in points {
             for (c, x, y) in edges.iter().flat_map(|&c| edges.iter().flat_map(move |&x| edges.map(|y| (c, x, y)))) {
-                if let Some(s) = lights.sample_direct(from, c, Vec2::new(x, y)) {
+                if let Some(s) = lights.sample_direct::<ALL>(from, c, Vec2::new(x, y)) {
                     assert!(s.pdf_w > 0.0 && s.pdf_w.is_finite() && s.radiance.is_valid(), "{shape:?} {from}: {s:?}");
                     assert!((s.wi.length() - 1.0).abs() < 1e-5 && s.target.is_finite(), "{shape:?} {from}: {s:?}");
                 }
@@ -391,19 +424,19 @@ fn points_on_lights_and_in_their_planes_give_nothing_or_something_finite() {
 #[test]
 fn lights_that_emit_nothing_are_never_chosen() {
     let none = lights(vec![]);
-    assert!(none.is_empty() && none.sample_direct(Vec3::ZERO, 0.5, Vec2::splat(0.5)).is_none());
+    assert!(none.is_empty() && none.sample_direct::<ALL>(Vec3::ZERO, 0.5, Vec2::splat(0.5)).is_none());
     let mut dark = sphere(Vec3::Y, 0.5, false);
-    dark.radiance = Rgb::BLACK;
+    dark.emission = Rgb::BLACK.into();
     let flat = area(AreaShape::Triangle([Vec3::ZERO; 3]));
     let black = Some(Environment::Constant(Rgb::BLACK));
     let off = vec![DeltaLight::Point { position: DVec3::ZERO, intensity: Rgb::BLACK }];
     for choice in [LightChoice::Power, LightChoice::Uniform] {
-        let lights = Lights::build(vec![dark, flat], off.clone(), black.clone(), WORLD, choice);
+        let lights = Lights::build(vec![dark.clone(), flat.clone()], off.clone(), black.clone(), WORLD, choice);
         assert!((0..4).all(|i| lights.choice_probability(i) == 0.0));
-        assert!(lights.sample_direct(Vec3::ONE, 0.5, Vec2::splat(0.5)).is_none());
-        assert!(lights.sample_emission(0.5, Vec2::splat(0.5), Vec2::splat(0.5)).is_none());
+        assert!(lights.sample_direct::<ALL>(Vec3::ONE, 0.5, Vec2::splat(0.5)).is_none());
+        assert!(lights.sample_emission::<ALL>(0.5, Vec2::splat(0.5), Vec2::splat(0.5)).is_none());
         assert_eq!((lights.environment_radiance(Vec3::Y), lights.environment_pdf(Vec3::Y)), (Rgb::BLACK, 0.0));
-        let one = Lights::build(vec![dark, flat, area(TRIANGLE)], off.clone(), black.clone(), WORLD, choice);
+        let one = Lights::build(vec![dark.clone(), flat.clone(), area(TRIANGLE)], off.clone(), black.clone(), WORLD, choice);
         assert_eq!(one.choice_probability(2), 1.0);
     }
 }

@@ -41,7 +41,7 @@ pub fn pixel_sample<const HAS: u32>(
             }
             Vertex::Surface(vertex) => {
                 if let Some(element) = scene.element(&vertex.surface) {
-                    sum += emitted(scene, settings, &vertex, element);
+                    sum += emitted::<HAS>(scene, settings, &vertex, element);
                 }
                 if !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
                     sum += next_event::<HAS>(scene, settings, &vertex, sampler, rays);
@@ -76,8 +76,8 @@ fn seen_part(history: History, infinite: bool) -> Part {
 
 /// Light that the vertex itself emits towards the path.
 #[inline]
-fn emitted(scene: &Scene, settings: &Settings, vertex: &SurfaceVertex, element: u32) -> Rgb {
-    let radiance = scene.lights().emitted(element, vertex.surface.ng, vertex.wo);
+fn emitted<const HAS: u32>(scene: &Scene, settings: &Settings, vertex: &SurfaceVertex, element: u32) -> Rgb {
+    let radiance = scene.lights().emitted::<HAS>(element, &vertex.surface, vertex.wo);
     if radiance.is_black() || !settings.parts.contains(seen_part(vertex.history, false)) {
         return Rgb::BLACK;
     }
@@ -98,7 +98,7 @@ fn next_event<const HAS: u32>(
     let u_choice = sampler.get_1d(vertex.depth, Purpose::LightChoice);
     let u = sampler.get_2d(vertex.depth, Purpose::LightPoint);
     let surface = &vertex.surface;
-    let Some(light) = scene.lights().sample_direct(surface.p, u_choice, u) else { return Rgb::BLACK };
+    let Some(light) = scene.lights().sample_direct::<HAS>(surface.p, u_choice, u) else { return Rgb::BLACK };
     let part = match (vertex.history.rough, light.infinite && !light.delta) {
         (0, true) => Part::Environment,
         (0, false) => Part::Direct,

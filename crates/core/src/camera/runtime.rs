@@ -302,7 +302,7 @@ fn positive(name: &'static str, value: f64) -> Result<f64, CameraError> {
     if rounded > 0.0 && rounded.is_finite() { Ok(value) } else { Err(CameraError::Length { name, value }) }
 }
 
-/// The axes without their scale, at exact right angles; a reflection stays.
+/// The axes of a transform without their scale, at exact right angles; a reflection stays.
 pub(crate) fn unit_axes(m: DMat3) -> Result<DMat3, CameraError> {
     if !m.is_finite() {
         return Err(CameraError::Transform("not finite"));

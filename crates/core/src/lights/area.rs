@@ -1,21 +1,43 @@
 //! Shapes that emit: points on them, and their densities.
 
+use super::textured::Coordinates;
 use crate::{
     frame::Frame,
     geometry::{Cylinder, Disk, Sphere, offset::gamma},
     rgb::Rgb,
+    texture::Texture,
     warp::{cone_pdf, sample_cone, sample_disk, sample_sphere, sample_triangle},
 };
 use glam::{Vec2, Vec3};
-use std::{f32::consts::TAU, f64::consts::PI};
+use std::{f32::consts::TAU, f64::consts::PI, sync::Arc};
 
-/// An emissive shape in the world: the same radiance from every point of the side its normal points to.
-#[derive(Clone, Copy, Debug)]
+/// An emissive shape in the world: it emits from the side its normal points to, into every direction alike.
+#[derive(Clone, Debug)]
 pub struct AreaLight {
     /// The shape.
     pub shape: AreaShape,
     /// Emitted radiance.
-    pub radiance: Rgb,
+    pub emission: Emission,
+}
+
+/// Radiance over a shape.
+#[derive(Clone, Debug)]
+pub enum Emission {
+    /// The same from every point.
+    Constant(Rgb),
+    /// By a texture.
+    Textured {
+        /// The texture.
+        texture: Arc<Texture<Rgb>>,
+        /// What it is looked up with.
+        coordinates: Coordinates,
+    },
+}
+
+impl From<Rgb> for Emission {
+    fn from(radiance: Rgb) -> Emission {
+        Emission::Constant(radiance)
+    }
 }
 
 /// A shape that can emit.
@@ -39,6 +61,8 @@ pub(super) struct AreaPoint {
     pub p_error: Vec3,
     /// Unit normal on the side that emits.
     pub normal: Vec3,
+    /// The weights of a triangle's vertices; zero on other shapes.
+    pub weights: Vec3,
 }
 
 /// A point of a shape as it is seen from elsewhere.
@@ -53,17 +77,24 @@ pub(super) struct AreaDirection {
 /// An area light with what every sample of it needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Emitter {
-    shape: AreaShape,
+    pub shape: AreaShape,
+    /// Emitted radiance; where it varies, what the choice of lights goes by.
     pub radiance: Rgb,
     /// Area in square metres.
     pub area: f32,
     /// Unit normal of a triangle.
     normal: Vec3,
+    /// Index of the [`super::textured::Textured`] that it emits by, or [`PLAIN`].
+    pub texture: u32,
 }
 
-impl From<AreaLight> for Emitter {
-    fn from(light: AreaLight) -> Emitter {
-        let (area, normal) = match light.shape {
+/// The radiance does not vary.
+pub(super) const PLAIN: u32 = u32::MAX;
+
+impl Emitter {
+    /// An emitter of the same radiance everywhere.
+    pub fn new(shape: AreaShape, radiance: Rgb) -> Emitter {
+        let (area, normal) = match shape {
             AreaShape::Triangle([p0, p1, p2]) => {
                 let n = (p1.as_dvec3() - p0.as_dvec3()).cross(p2.as_dvec3() - p0.as_dvec3());
                 (0.5 * n.length(), n.normalize_or_zero().as_vec3())
@@ -72,11 +103,9 @@ impl From<AreaLight> for Emitter {
             AreaShape::Disk(d) => (f64::from(d.radius).powi(2) * PI, d.normal),
             AreaShape::Cylinder(c) => (c.axis.as_dvec3().length() * f64::from(c.radius) * 2.0 * PI, Vec3::ZERO),
         };
-        Emitter { shape: light.shape, radiance: light.radiance, area: area as f32, normal }
+        Emitter { shape, radiance, area: area as f32, normal, texture: PLAIN }
     }
-}
 
-impl Emitter {
     /// Flux in watts, by luminance.
     pub fn flux(&self) -> f64 {
         PI * f64::from(self.area) * f64::from(self.radiance.luminance())
@@ -92,6 +121,7 @@ impl Emitter {
                     p: b.x * *p0 + b.y * *p1 + b.z * *p2,
                     p_error: gamma(6) * (b.x * p0.abs() + b.y * p1.abs() + b.z * p2.abs()),
                     normal: self.normal,
+                    weights: b,
                 }
             }
             AreaShape::Sphere(s) => sphere_point(s, sample_sphere(u)),
@@ -103,6 +133,7 @@ impl Emitter {
                     p: d.center + x + y,
                     p_error: gamma(6) * (d.center.abs() + x.abs() + y.abs()),
                     normal: d.normal,
+                    weights: Vec3::ZERO,
                 }
             }
             AreaShape::Cylinder(c) => {
@@ -114,6 +145,7 @@ impl Emitter {
                     p: c.from + along + arm,
                     p_error: gamma(6) * (c.from.abs() + along.abs() + arm.abs()),
                     normal: if c.inverted { -outwards } else { outwards },
+                    weights: Vec3::ZERO,
                 }
             }
         }
@@ -166,6 +198,7 @@ fn sphere_point(s: &Sphere, outwards: Vec3) -> AreaPoint {
         p: s.center + s.radius * outwards,
         p_error: gamma(5) * (s.center.abs() + s.radius * outwards.abs()),
         normal: if s.inverted { -outwards } else { outwards },
+        weights: Vec3::ZERO,
     }
 }
 

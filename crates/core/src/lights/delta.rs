@@ -1,12 +1,12 @@
 //! Lights without an extent, ready to render.
 
-use super::polar::Band;
-use crate::{frame::Frame, rgb::Rgb, scene::DeltaLight};
+use super::{picture::Picture, polar::Band};
+use crate::{frame::Frame, rgb::Rgb, scene::DeltaLight, texture::Texture};
 use glam::{Vec2, Vec3};
 use std::f64::consts::PI;
 
 /// A light without an extent in the rendered world.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Delta {
     Point {
         position: Vec3,
@@ -17,6 +17,8 @@ pub(super) enum Delta {
         intensity: Rgb,
         cone: SpotCone,
     },
+    /// A spot light with a picture, or a projector.
+    Picture(Box<Picture>),
     /// `direction` is where the light travels to.
     Directional {
         direction: Vec3,
@@ -28,7 +30,7 @@ pub(super) enum Delta {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpotCone {
     /// Unit axis.
-    axis: Vec3,
+    pub axis: Vec3,
     /// Half-angle of full intensity.
     beam: f32,
     /// Half-angle beyond which there is none.
@@ -40,11 +42,20 @@ pub(super) struct SpotCone {
 impl From<&DeltaLight> for Delta {
     fn from(light: &DeltaLight) -> Delta {
         match light.clone() {
-            DeltaLight::Projector { .. } => unimplemented!(),
             DeltaLight::Point { position, intensity } => Delta::Point { position: position.as_vec3(), intensity },
-            DeltaLight::Spot { position, direction, intensity, beam, cutoff, .. } => {
-                let axis = direction.normalize().as_vec3();
-                Delta::Spot { position: position.as_vec3(), intensity, cone: SpotCone::new(axis, beam, cutoff) }
+            DeltaLight::Spot { position, direction, intensity, beam, cutoff, image } => {
+                let cone = SpotCone::new(direction.normalize().as_vec3(), beam, cutoff);
+                let plain = |intensity| Delta::Spot { position: position.as_vec3(), intensity, cone };
+                match image {
+                    None => plain(intensity),
+                    Some((Texture::Constant(factor), _)) => plain(intensity * factor),
+                    Some(image) => {
+                        Delta::Picture(Box::new(Picture::spot(position, (cone, cutoff), intensity, image)))
+                    }
+                }
+            }
+            DeltaLight::Projector { to_world, fov_x, aspect, irradiance } => {
+                Delta::Picture(Box::new(Picture::projector(&to_world, fov_x, aspect, irradiance)))
             }
             DeltaLight::Directional { direction, irradiance } => {
                 Delta::Directional { direction: direction.normalize().as_vec3(), irradiance }
@@ -59,6 +70,7 @@ impl Delta {
         match self {
             Delta::Point { intensity, .. } => 4.0 * PI * f64::from(intensity.luminance()),
             Delta::Spot { intensity, cone, .. } => f64::from(cone.integral) * f64::from(intensity.luminance()),
+            Delta::Picture(picture) => picture.flux,
             Delta::Directional { irradiance, .. } => {
                 PI * f64::from(world_radius).powi(2) * f64::from(irradiance.luminance())
             }

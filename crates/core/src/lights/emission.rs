@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 /// | element | `p` | `radiance` | `cos` | `pdf_a` | `pdf_w` |
 /// | --- | --- | --- | --- | --- | --- |
 /// | area | on the light | radiance | at the light | per m² of the light | per steradian |
-/// | point, spot | the light | intensity | 1 | 1 (delta) | per steradian |
+/// | point, spot, projector | the light | intensity | 1 | 1 (delta) | per steradian |
 /// | directional | on a disk outside the world | irradiance | 1 | per m² of the disk | 1 (delta) |
 /// | environment | on a disk outside the world | radiance | 1 | per m² of the disk | per steradian |
 ///
@@ -70,14 +70,21 @@ pub struct EmissionDensity {
 
 impl Lights {
     /// Chooses a light and a ray that leaves it. `None` where the ray carries nothing or has no finite density.
-    pub fn sample_emission(&self, u_choice: f32, u_point: Vec2, u_direction: Vec2) -> Option<EmissionSample> {
+    ///
+    /// `HAS` must include [`crate::has::TEXTURES`] where a shape emits by a texture.
+    pub fn sample_emission<const HAS: u32>(
+        &self,
+        u_choice: f32,
+        u_point: Vec2,
+        u_direction: Vec2,
+    ) -> Option<EmissionSample> {
         let element = self.choose(u_choice, u_point)?;
         let (p, p_error, normal, direction, radiance) = match self.element(element) {
             Element::Area(light) => {
                 let point = light.sample_point(u_point);
                 let local = sample_cosine_hemisphere(u_direction);
                 let direction = Frame::from_normal(point.normal).to_world(local);
-                (point.p, point.p_error, point.normal, direction, light.radiance)
+                (point.p, point.p_error, point.normal, direction, self.area_radiance::<HAS>(light, &point))
             }
             Element::Delta(Delta::Point { position, intensity }) => {
                 let direction = sample_sphere(u_direction);
@@ -86,6 +93,10 @@ impl Lights {
             Element::Delta(Delta::Spot { position, intensity, cone }) => {
                 let direction = cone.sample(u_direction);
                 (*position, Vec3::ZERO, direction, direction, *intensity * cone.falloff(direction))
+            }
+            Element::Delta(Delta::Picture(picture)) => {
+                let direction = picture.sample(u_direction)?;
+                (picture.position, Vec3::ZERO, direction, direction, picture.intensity(direction))
             }
             Element::Delta(Delta::Directional { direction, irradiance }) => {
                 (self.outside(*direction, u_point), Vec3::ZERO, *direction, *direction, *irradiance)
@@ -109,20 +120,23 @@ impl Lights {
             pdf_a,
             pdf_w,
             choice,
-            delta_position: matches!(kind, Element::Delta(Delta::Point { .. } | Delta::Spot { .. })),
+            delta_position: matches!(
+                kind,
+                Element::Delta(Delta::Point { .. } | Delta::Spot { .. } | Delta::Picture(_))
+            ),
             delta_direction: matches!(kind, Element::Delta(Delta::Directional { .. })),
             infinite,
             element,
         };
-        let valid = sample.cos > 0.0 && pdf_a * pdf_w > 0.0 && sample.weight().is_valid();
+        let valid = sample.cos > 0.0 && pdf_a * pdf_w > 0.0 && sample.weight().is_valid() && !radiance.is_black();
         valid.then_some(sample)
     }
 
     /// How densely [`Lights::sample_emission`] samples a ray that leaves `element` in the unit `direction` in which
     /// the light travels; `ng` is the geometric normal where it leaves an area element and is not read for others.
     ///
-    /// Whether a point, spot or directional light can emit that ray at all is not asked: where it cannot, a delta
-    /// density of 1 stands, and a spot's `pdf_w` is 0 outside its cone.
+    /// Whether a light without an extent can emit that ray at all is not asked: where it cannot, a delta density of 1
+    /// stands; a spot's `pdf_w` is 0 outside its cone, a picture's past it.
     #[inline]
     pub fn emission_density(&self, element: u32, ng: Vec3, direction: Vec3) -> EmissionDensity {
         let disk = 1.0 / (PI * self.world.radius * self.world.radius);
@@ -130,6 +144,7 @@ impl Lights {
             Element::Area(light) => (1.0 / light.area, cosine_hemisphere_pdf(ng.dot(direction))),
             Element::Delta(Delta::Point { .. }) => (1.0, sphere_pdf()),
             Element::Delta(Delta::Spot { cone, .. }) => (1.0, cone.pdf(direction)),
+            Element::Delta(Delta::Picture(picture)) => (1.0, picture.pdf(direction)),
             Element::Delta(Delta::Directional { .. }) => (disk, 1.0),
             Element::Sky(sky) => (disk, sky.radiance_and_pdf(-direction).1),
         };

@@ -1,6 +1,6 @@
 //! Lights: every emitter of a scene behind one choice probability.
 //!
-//! An *element* is what is chosen at once: an emissive triangle, sphere or disk, a light without an extent, or the
+//! An *element* is what is chosen at once: an emissive triangle, sphere, disk or cylinder, a light without an extent, or the
 //! environment. Elements are numbered in this order: the area lights as given, the lights without an extent as given,
 //! the environment last.
 
@@ -8,19 +8,30 @@ mod area;
 mod delta;
 mod emission;
 pub mod environment;
+mod picture;
 mod polar;
 mod sky;
+mod textured;
 
-pub use area::{AreaLight, AreaShape};
+pub use area::{AreaLight, AreaShape, Emission};
 pub use emission::{EmissionDensity, EmissionSample};
+pub use textured::Coordinates;
 
-use crate::{distribution::AliasTable, rgb::Rgb, scene::DeltaLight};
-use area::Emitter;
+use crate::{
+    distribution::AliasTable,
+    geometry::Surface,
+    has,
+    rgb::Rgb,
+    scene::DeltaLight,
+    texture::{Texture, TexturePoint},
+};
+use area::{AreaPoint, Emitter, PLAIN};
 use delta::Delta;
 use environment::Environment;
 use glam::{Vec2, Vec3};
 use sky::Sky;
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
+use textured::{Textured, overall_mean};
 
 /// A sphere that bounds something.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +56,8 @@ pub enum LightChoice {
 #[derive(Clone, Debug)]
 pub struct Lights {
     area: Vec<Emitter>,
+    /// What some of them emit by.
+    textured: Vec<Textured>,
     delta: Vec<Delta>,
     sky: Option<Sky>,
     /// Over the elements; `None` when nothing emits.
@@ -95,7 +108,7 @@ impl Lights {
         world: BoundingSphere,
         choice: LightChoice,
     ) -> Lights {
-        let area: Vec<Emitter> = area.into_iter().map(Emitter::from).collect();
+        let (area, textured) = emitters(area);
         let delta: Vec<Delta> = delta.iter().map(Delta::from).collect();
         let sky = environment.as_ref().map(Sky::new);
         let disk = PI * f64::from(world.radius).powi(2);
@@ -111,7 +124,7 @@ impl Lights {
             .collect();
         assert!(weights.len() <= Lights::LIMIT, "too many lights: {}", weights.len());
         let directional = delta.iter().any(|light| matches!(light, Delta::Directional { .. }));
-        Lights { area, delta, sky, choice: AliasTable::new(&weights), world, directional }
+        Lights { area, textured, delta, sky, choice: AliasTable::new(&weights), world, directional }
     }
 
     /// Number of elements.
@@ -140,16 +153,35 @@ impl Lights {
         self.choice.as_ref().map_or(0.0, |table| table.pmf(element as usize))
     }
 
-    /// Radiance that an area element emits from a point with the geometric normal `ng` in the direction `wo`.
+    /// Radiance that an area element emits from a point of its surface in the direction `wo`. `HAS` must include
+    /// [`has::TEXTURES`] where a shape emits by a texture.
     #[inline]
-    pub fn emitted(&self, element: u32, ng: Vec3, wo: Vec3) -> Rgb {
-        if ng.dot(wo) > 0.0 { self.area[element as usize].radiance } else { Rgb::BLACK }
+    pub fn emitted<const HAS: u32>(&self, element: u32, surface: &Surface, wo: Vec3) -> Rgb {
+        if surface.ng.dot(wo) <= 0.0 {
+            return Rgb::BLACK;
+        }
+        let light = &self.area[element as usize];
+        if HAS & has::TEXTURES != 0 && light.texture != PLAIN {
+            let point = TexturePoint { uv: surface.uv, color: surface.color };
+            return self.textured[light.texture as usize].texture.at(&point);
+        }
+        light.radiance
+    }
+
+    /// Radiance from a sampled point of an area light.
+    #[inline]
+    fn area_radiance<const HAS: u32>(&self, light: &Emitter, point: &AreaPoint) -> Rgb {
+        if HAS & has::TEXTURES != 0 && light.texture != PLAIN {
+            return self.textured[light.texture as usize].radiance(&light.shape, point);
+        }
+        light.radiance
     }
 
     /// Chooses a light and a direction to it, as seen from `from`. `None` where the light that is chosen cannot send
-    /// any light there, or only with a density that is not finite.
+    /// any light there, or only with a density that is not finite. `HAS` must include [`has::TEXTURES`] where a shape
+    /// emits by a texture.
     #[inline]
-    pub fn sample_direct(&self, from: Vec3, u_choice: f32, u: Vec2) -> Option<DirectSample> {
+    pub fn sample_direct<const HAS: u32>(&self, from: Vec3, u_choice: f32, u: Vec2) -> Option<DirectSample> {
         let element = self.choose(u_choice, u)?;
         let choice = self.choice_probability(element);
         let sample = match self.element(element) {
@@ -157,7 +189,7 @@ impl Lights {
                 let d = light.sample_direction(from, u)?;
                 DirectSample {
                     wi: d.wi,
-                    radiance: light.radiance,
+                    radiance: self.area_radiance::<HAS>(light, &d.point),
                     pdf_w: choice * d.pdf_w,
                     delta: false,
                     infinite: false,
@@ -178,13 +210,13 @@ impl Lights {
 
     #[inline]
     fn delta_direct(&self, light: &Delta, from: Vec3, choice: f32, element: u32) -> Option<DirectSample> {
-        let (position, intensity, cone) = match light {
+        let position = match light {
             Delta::Directional { direction, irradiance } => {
                 let sample = self.infinite_direct(from, -*direction, *irradiance, choice, element);
                 return Some(DirectSample { delta: true, ..sample });
             }
-            Delta::Point { position, intensity } => (*position, *intensity, None),
-            Delta::Spot { position, intensity, cone } => (*position, *intensity, Some(cone)),
+            Delta::Point { position, .. } | Delta::Spot { position, .. } => *position,
+            Delta::Picture(picture) => picture.position,
         };
         let to = position - from;
         let d2 = to.length_squared();
@@ -192,10 +224,16 @@ impl Lights {
             return None;
         }
         let wi = to / d2.sqrt();
-        let falloff = cone.map_or(1.0, |cone| cone.falloff(-wi));
-        (falloff > 0.0).then(|| DirectSample {
+        let radiance = match light {
+            Delta::Spot { intensity, cone, .. } => *intensity * (cone.falloff(-wi) / d2),
+            Delta::Picture(picture) => picture.intensity(-wi) * (1.0 / d2),
+            Delta::Point { intensity, .. } | Delta::Directional { irradiance: intensity, .. } => {
+                *intensity * (1.0 / d2)
+            }
+        };
+        (!radiance.is_black()).then_some(DirectSample {
             wi,
-            radiance: intensity * (falloff / d2),
+            radiance,
             pdf_w: choice,
             delta: true,
             infinite: false,
@@ -253,7 +291,23 @@ impl Lights {
 
     /// Bytes held, an environment's image included.
     pub fn memory_bytes(&self) -> u64 {
-        (self.area.capacity() * size_of::<Emitter>() + self.delta.capacity() * size_of::<Delta>()) as u64
+        let mut bitmaps: Vec<_> = (self.textured.iter())
+            .filter_map(|t| match &*t.texture {
+                Texture::Bitmap { bitmap, .. } => Some((Arc::as_ptr(bitmap), size_of_val(&bitmap.texels[..]))),
+                _ => None,
+            })
+            .collect();
+        bitmaps.sort_unstable();
+        bitmaps.dedup();
+        let pictures = self.delta.iter().map(|light| match light {
+            Delta::Picture(picture) => picture.memory_bytes(),
+            _ => 0,
+        });
+        (self.area.capacity() * size_of::<Emitter>()
+            + self.textured.capacity() * size_of::<Textured>()
+            + self.delta.capacity() * size_of::<Delta>()
+            + bitmaps.iter().map(|(_, bytes)| bytes).sum::<usize>()) as u64
+            + pictures.sum::<u64>()
             + self.choice.as_ref().map_or(0, AliasTable::memory_bytes)
             + self.sky.as_ref().map_or(0, Sky::memory_bytes)
     }
@@ -279,6 +333,28 @@ impl Lights {
             _ => Element::Delta(&self.delta[i - self.area.len()]),
         }
     }
+}
+
+/// The area lights, and what some of them emit by.
+fn emitters(area: Vec<AreaLight>) -> (Vec<Emitter>, Vec<Textured>) {
+    let mut textures: Vec<Textured> = Vec::new();
+    let mut overall = Rgb::BLACK;
+    let emitters = area.into_iter().map(|AreaLight { shape, emission }| match emission {
+        Emission::Constant(radiance) => Emitter::new(shape, radiance),
+        Emission::Textured { texture, coordinates } => {
+            // The elements of an object follow each other: the mean of its texture is taken once.
+            if textures.last().is_none_or(|last| !Arc::ptr_eq(&last.texture, &texture)) {
+                overall = overall_mean(&texture);
+            }
+            let mut emitter = Emitter::new(shape, Rgb::BLACK);
+            let textured = Textured::new(texture, coordinates);
+            emitter.radiance = textured.mean(&emitter, overall);
+            emitter.texture = textures.len() as u32;
+            textures.push(textured);
+            emitter
+        }
+    });
+    (emitters.collect(), textures)
 }
 
 enum Element<'a> {

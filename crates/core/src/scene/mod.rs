@@ -12,9 +12,9 @@ use crate::{
     bsdf::{Bsdf, Lobe},
     camera::Camera,
     effects::Census,
-    geometry::{Geometry, Hit, Instance, Shape, Surface},
+    geometry::{Axes, Geometry, Hit, Instance, Shape, Surface},
     has,
-    lights::{AreaLight, AreaShape, BoundingSphere, LightChoice, Lights},
+    lights::{AreaLight, AreaShape, BoundingSphere, Coordinates, Emission, LightChoice, Lights},
     material::Material,
     ray::Ray,
     relief::Relief,
@@ -23,6 +23,7 @@ use crate::{
 };
 use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3};
 use place::{Placed, object_error, place};
+use std::sync::Arc;
 
 /// A shape that emits nothing.
 const NO_LIGHT: u32 = u32::MAX;
@@ -306,25 +307,14 @@ fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>
     let mut area = Vec::new();
     let mut infos = Vec::with_capacity(shapes.len());
     for (object, shape) in description.objects.iter().zip(shapes) {
-        let emission = match &object.emission {
-            Some(Texture::Constant(radiance)) => *radiance,
-            Some(_) => unimplemented!(),
-            None => Rgb::BLACK,
-        };
-        let first_element = if emission.is_black() { NO_LIGHT } else { area.len() as u32 };
-        if first_element != NO_LIGHT {
-            let mut push = |shape| area.push(AreaLight { shape, radiance: emission });
-            match shape {
-                Shape::Mesh(mesh) => {
-                    for t in &mesh.triangles {
-                        push(AreaShape::Triangle(t.map(|v| mesh.positions[v as usize])));
-                    }
-                }
-                Shape::Sphere(sphere, _) => push(AreaShape::Sphere(*sphere)),
-                Shape::Disk(disk, _) => push(AreaShape::Disk(*disk)),
-                Shape::Cylinder(cylinder, _) => push(AreaShape::Cylinder(*cylinder)),
+        let first_element = match &object.emission {
+            None | Some(Texture::Constant(Rgb::BLACK)) => NO_LIGHT,
+            Some(texture) => {
+                let first = area.len() as u32;
+                push_emitters(texture, shape, &mut area);
+                first
             }
-        }
+        };
         infos.push(ShapeInfo { material: object.material as u32, first_element, absorption: object.absorption });
     }
     let grouped = description.groups.iter().flat_map(|g| &g.objects);
@@ -334,4 +324,29 @@ fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>
         absorption: o.absorption,
     }));
     (infos, area)
+}
+
+/// The elements of an emissive shape.
+fn push_emitters(texture: &Texture<Rgb>, shape: &Shape, area: &mut Vec<AreaLight>) {
+    let shared = Arc::new(texture.clone());
+    let emission = |coordinates| match texture {
+        Texture::Constant(radiance) => Emission::Constant(*radiance),
+        _ => Emission::Textured { texture: shared.clone(), coordinates },
+    };
+    let curved = |shape, axes: &Axes| AreaLight { shape, emission: emission(Coordinates::Curved(*axes)) };
+    match shape {
+        Shape::Mesh(mesh) => area.extend(mesh.triangles.iter().map(|t| {
+            let vertices = t.map(|v| v as usize);
+            AreaLight {
+                shape: AreaShape::Triangle(vertices.map(|v| mesh.positions[v])),
+                emission: emission(Coordinates::Vertices {
+                    uvs: if mesh.uvs.is_empty() { [Vec2::ZERO, Vec2::X, Vec2::Y] } else { vertices.map(|v| mesh.uvs[v]) },
+                    colors: vertices.map(|v| mesh.colors.get(v).copied().unwrap_or(Rgb::WHITE)),
+                }),
+            }
+        })),
+        Shape::Sphere(sphere, axes) => area.push(curved(AreaShape::Sphere(*sphere), axes)),
+        Shape::Disk(disk, axes) => area.push(curved(AreaShape::Disk(*disk), axes)),
+        Shape::Cylinder(cylinder, axes) => area.push(curved(AreaShape::Cylinder(*cylinder), axes)),
+    }
 }

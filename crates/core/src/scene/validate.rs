@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     bsdf::ConductorFresnel,
+    camera::unit_axes,
     lights::Lights,
     material::{Material, RoughnessTexture},
     relief::Relief,
@@ -14,6 +15,7 @@ use crate::{
     texture::{Texel, Texture},
 };
 use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Refuses what is wrong; the camera and the shapes are checked where they are placed.
 pub(super) fn check(scene: &SceneDescription) -> Result<(), SceneError> {
@@ -298,24 +300,56 @@ fn check_direction(v: DVec3) -> Result<(), Problem> {
     }
 }
 
+/// A texture that is on no mesh.
+fn check_picture(what: &'static str, texture: &Texture<Rgb>, most: f32) -> Result<(), Problem> {
+    if matches!(texture, Texture::VertexColor) {
+        return Err(Problem::Other(format!("its {what} is that of a mesh's vertices, and it has no mesh")));
+    }
+    check_texture(what, texture, most)
+}
+
 fn check_light(light: &DeltaLight) -> Result<(), Problem> {
     match light {
         DeltaLight::Point { position, intensity } => {
             check_vector("position", *position)?;
             check_colour("intensity", *intensity, f32::MAX)
         }
-        DeltaLight::Projector { .. } => unimplemented!(),
-        DeltaLight::Spot { position, direction, intensity, beam, cutoff, .. } => {
+        DeltaLight::Projector { to_world, fov_x, aspect, irradiance } => {
+            check_transform(to_world)?;
+            unit_axes(to_world.matrix3).map_err(|e| Problem::Other(e.to_string()))?;
+            if !(*fov_x > 0.0 && *fov_x < PI) {
+                let what = "horizontal field of view";
+                return Err(Problem::OutOfRange { what, value: *fov_x, expected: "between 0 and pi" });
+            }
+            // Its reciprocal is a height: neither may be lost in single precision.
+            if ![*aspect as f32, (1.0 / *aspect) as f32].iter().all(|a| a.is_normal() && *a > 0.0) {
+                let (value, expected) = (*aspect, "positive and finite");
+                return Err(Problem::OutOfRange { what: "width over its height", value, expected });
+            }
+            check_picture("irradiance", irradiance, f32::MAX)
+        }
+        DeltaLight::Spot { position, direction, intensity, beam, cutoff, image } => {
             check_vector("position", *position)?;
             check_direction(*direction)?;
             check_colour("intensity", *intensity, f32::MAX)?;
-            if !(*cutoff > 0.0 && *cutoff <= std::f64::consts::PI) {
+            if !(*cutoff > 0.0 && *cutoff <= PI) {
                 return Err(Problem::OutOfRange { what: "cutoff angle", value: *cutoff, expected: "in (0, pi]" });
             }
             if !(0.0..=*cutoff).contains(beam) {
                 return Err(Problem::OutOfRange { what: "beam angle", value: *beam, expected: "in [0, cutoff]" });
             }
-            Ok(())
+            let Some((image, up)) = image else { return Ok(()) };
+            if *cutoff >= FRAC_PI_2 {
+                let expected = "below pi / 2, as it must be with an image";
+                return Err(Problem::OutOfRange { what: "cutoff angle", value: *cutoff, expected });
+            }
+            check_vector("direction up in the image", *up)?;
+            // Judged against the lengths: no absolute threshold.
+            let across = up.normalize_or_zero().cross(direction.normalize_or_zero()).length();
+            if across < 1e-6 {
+                return Err(Problem::Other("the direction up in its image is zero or along its axis".into()));
+            }
+            check_picture("image", image, f32::MAX)
         }
         DeltaLight::Directional { direction, irradiance } => {
             check_direction(*direction)?;
