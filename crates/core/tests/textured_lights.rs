@@ -217,7 +217,8 @@ fn constant_textures_are_plain_lights() {
     let mut random = Random::new(64);
     for _ in 0..1000 {
         let (from, c, u) = (Vec3::new(random.f32(), random.f32(), random.f32()) + 0.1, random.f32(), random.vec2());
-        let [a, b] = [plain.lights().sample_direct::<ALL>(from, c, u), textured.lights().sample_direct::<ALL>(from, c, u)];
+        let [a, b] =
+            [plain.lights().sample_direct::<ALL>(from, c, u), textured.lights().sample_direct::<ALL>(from, c, u)];
         assert_eq!(a, b);
         assert_eq!(plain.lights().sample_direct::<0>(from, c, u), a);
     }

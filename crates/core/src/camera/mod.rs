@@ -1,6 +1,7 @@
 //! Cameras.
 mod runtime;
 
+pub(crate) use runtime::unit_axes;
 pub use runtime::{Camera, CameraError, CameraSample};
 
 use glam::{DAffine3, UVec2};
