@@ -3,8 +3,8 @@
 mod sampling;
 
 use etendue_core::{
-    has::ALL,
     geometry::{Cylinder, Disk, Sphere},
+    has::ALL,
     lights::{
         AreaLight, AreaShape, BoundingSphere, EmissionSample, LightChoice, Lights,
         environment::{Environment, Rows},
@@ -101,15 +101,16 @@ fn the_mean_weight_is_the_flux() {
 #[test]
 fn the_weights_of_all_lights_add_up() {
     let shapes = [AreaShape::Sphere(SPHERE), AreaShape::Disk(DISK), AreaShape::Triangle(TRIANGLE)];
-    let shapes: Vec<_> = shapes.iter().map(|&shape| AreaLight { shape, emission: Rgb::new(1.0, 0.2, 3.0).into() }).collect();
+    let shapes: Vec<_> =
+        shapes.iter().map(|&shape| AreaLight { shape, emission: Rgb::new(1.0, 0.2, 3.0).into() }).collect();
     let points = vec![spot(0.3, 0.9), DeltaLight::Directional { direction: DVec3::Y, irradiance: Rgb::splat(0.1) }];
     let mut expected = 0.0;
     let (mut random, n) = (Random::new(32), 400_000);
-    for single in shapes.iter().map(|s| Lights::build(vec![s.clone()], vec![], None, WORLD, LightChoice::Power)).chain([
-        delta(points[0].clone()),
-        delta(points[1].clone()),
-        sky(noise()),
-    ]) {
+    for single in shapes
+        .iter()
+        .map(|s| Lights::build(vec![s.clone()], vec![], None, WORLD, LightChoice::Power))
+        .chain([delta(points[0].clone()), delta(points[1].clone()), sky(noise())])
+    {
         // One light alone: its luminance is the same for every ray.
         let mut alone = Moments::default();
         (0..1000)

@@ -3,8 +3,8 @@
 mod sampling;
 
 use etendue_core::{
-    has::ALL,
     geometry::{Cylinder, Disk, Sphere},
+    has::ALL,
     lights::{AreaLight, AreaShape, BoundingSphere, LightChoice, Lights, environment::Environment},
     rgb::Rgb,
     scene::DeltaLight,
@@ -157,7 +157,8 @@ fn lights_are_chosen_with_the_probability_that_is_said() {
         let mut random = Random::new(2);
         let n = 300_000;
         for _ in 0..n {
-            let sample = lights.sample_direct::<ALL>(Vec3::ZERO, random.f32(), random.vec2()).expect("all are in sight");
+            let sample =
+                lights.sample_direct::<ALL>(Vec3::ZERO, random.f32(), random.vec2()).expect("all are in sight");
             counts[sample.element as usize] += 1.0;
         }
         let mut expected = vec![0.0; all.len()];
@@ -201,7 +202,8 @@ fn a_million_lights_are_chosen_by_their_power() {
         let mut own = Moments::default();
         for step in 0..500_000 {
             let u = f64::from(first + step % 20) / steps;
-            let chosen = lights.sample_direct::<ALL>(Vec3::new(0.2, 0.0, 0.2), u.min(1.0 - 1.0 / steps) as f32, random.vec2());
+            let chosen =
+                lights.sample_direct::<ALL>(Vec3::new(0.2, 0.0, 0.2), u.min(1.0 - 1.0 / steps) as f32, random.vec2());
             own.add(f64::from(u8::from(u < 1.0 && chosen.is_some_and(|s| s.element == light))));
         }
         let p = f64::from(lights.choice_probability(light)) * steps / 20.0;
@@ -309,7 +311,8 @@ fn irradiance_of_lights_without_extent_and_of_a_constant_environment() {
         delta(DeltaLight::Spot { position, direction, intensity: Rgb::new(1.0, 2.0, 3.0), beam, cutoff, image: None })
     };
     for (x, red) in [(0.0, 0.111_111_12), (1.0, 0.1), (1.5, 0.079_614_6), (1.8, 0.049_217_008), (2.2, 0.018_045_124)] {
-        let s = spot(25.0, 40.0).sample_direct::<ALL>(Vec3::new(x, 0.0, 0.0), 0.5, Vec2::splat(0.5)).expect("in the cone");
+        let s =
+            spot(25.0, 40.0).sample_direct::<ALL>(Vec3::new(x, 0.0, 0.0), 0.5, Vec2::splat(0.5)).expect("in the cone");
         assert!((s.radiance.r - red).abs() < 2e-6 && (s.radiance.b - 3.0 * red).abs() < 6e-6, "{x}: {:?}", s.radiance);
         assert!(s.delta && s.pdf_w == 1.0 && s.target_normal == Vec3::ZERO);
     }
@@ -436,7 +439,8 @@ fn lights_that_emit_nothing_are_never_chosen() {
         assert!(lights.sample_direct::<ALL>(Vec3::ONE, 0.5, Vec2::splat(0.5)).is_none());
         assert!(lights.sample_emission::<ALL>(0.5, Vec2::splat(0.5), Vec2::splat(0.5)).is_none());
         assert_eq!((lights.environment_radiance(Vec3::Y), lights.environment_pdf(Vec3::Y)), (Rgb::BLACK, 0.0));
-        let one = Lights::build(vec![dark.clone(), flat.clone(), area(TRIANGLE)], off.clone(), black.clone(), WORLD, choice);
+        let one =
+            Lights::build(vec![dark.clone(), flat.clone(), area(TRIANGLE)], off.clone(), black.clone(), WORLD, choice);
         assert_eq!(one.choice_probability(2), 1.0);
     }
 }

@@ -30,7 +30,14 @@ fn image(texels: &[Rgb], width: u32, interpolation: Interpolation) -> Texture<Rg
 
 fn spot(image: Texture<Rgb>, up: DVec3, beam: f64, cutoff: f64) -> DeltaLight {
     let direction = to_world().matrix3.z_axis * 2.0;
-    DeltaLight::Spot { position: POSITION, direction, intensity: Rgb::splat(2.0), beam, cutoff, image: Some((image, up)) }
+    DeltaLight::Spot {
+        position: POSITION,
+        direction,
+        intensity: Rgb::splat(2.0),
+        beam,
+        cutoff,
+        image: Some((image, up)),
+    }
 }
 
 fn projector(irradiance: Texture<Rgb>, fov_x: f64, aspect: f64) -> DeltaLight {
@@ -259,7 +266,8 @@ fn pictures_carry_their_flux() {
 fn a_constant_image_changes_nothing_but_the_colour() {
     let image = Texture::Constant(Rgb::new(0.5, 1.0, 0.25));
     let with = lights(spot(image, DVec3::X, 0.3, 0.5));
-    let DeltaLight::Spot { position, direction, intensity, beam, cutoff, .. } = spot(Rgb::WHITE.into(), DVec3::X, 0.3, 0.5)
+    let DeltaLight::Spot { position, direction, intensity, beam, cutoff, .. } =
+        spot(Rgb::WHITE.into(), DVec3::X, 0.3, 0.5)
     else {
         unreachable!()
     };

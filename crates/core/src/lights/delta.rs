@@ -49,9 +49,7 @@ impl From<&DeltaLight> for Delta {
                 match image {
                     None => plain(intensity),
                     Some((Texture::Constant(factor), _)) => plain(intensity * factor),
-                    Some(image) => {
-                        Delta::Picture(Box::new(Picture::spot(position, (cone, cutoff), intensity, image)))
-                    }
+                    Some(image) => Delta::Picture(Box::new(Picture::spot(position, (cone, cutoff), intensity, image))),
                 }
             }
             DeltaLight::Projector { to_world, fov_x, aspect, irradiance } => {

@@ -340,7 +340,11 @@ fn push_emitters(texture: &Texture<Rgb>, shape: &Shape, area: &mut Vec<AreaLight
             AreaLight {
                 shape: AreaShape::Triangle(vertices.map(|v| mesh.positions[v])),
                 emission: emission(Coordinates::Vertices {
-                    uvs: if mesh.uvs.is_empty() { [Vec2::ZERO, Vec2::X, Vec2::Y] } else { vertices.map(|v| mesh.uvs[v]) },
+                    uvs: if mesh.uvs.is_empty() {
+                        [Vec2::ZERO, Vec2::X, Vec2::Y]
+                    } else {
+                        vertices.map(|v| mesh.uvs[v])
+                    },
                     colors: vertices.map(|v| mesh.colors.get(v).copied().unwrap_or(Rgb::WHITE)),
                 }),
             }
