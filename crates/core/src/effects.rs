@@ -253,10 +253,10 @@ impl fmt::Display for Census {
         writeln!(f, "reliefs: {} objects", self.reliefs)?;
         writeln!(f, "absorbing insides: {} objects", self.absorbing)?;
         let l = &self.lights;
-        let (objects, textured) = (l.area_objects, self.textured_lights);
-        writeln!(f, "area lights: {objects} ({} elements), {textured} of them textured", l.area_elements)?;
-        writeln!(f, "point lights, spots, projectors: {}, {}, {}", l.point, l.spot, l.projector)?;
-        writeln!(f, "directional lights: {}", l.directional)?;
+        writeln!(f, "area lights: {} ({} elements)", l.area_objects, l.area_elements)?;
+        writeln!(f, "textured lights: {} objects", self.textured_lights)?;
+        let (spot, projector, directional) = (l.spot, l.projector, l.directional);
+        writeln!(f, "point, spot, projector, directional lights: {}, {spot}, {projector}, {directional}", l.point)?;
         match &self.environment {
             None => writeln!(f, "environment: none")?,
             Some(EnvironmentUse::Constant) => writeln!(f, "environment: constant")?,

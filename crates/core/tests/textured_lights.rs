@@ -136,8 +136,11 @@ fn sampled_points_shine_as_hits_do() {
 fn what_is_sampled_is_what_is_seen() {
     for (name, shape, emission) in cases() {
         let scene = scene(vec![(shape, to_world(false), emission)]);
+        // From a point near the middle of what shines inwards, in the shape's own space.
+        let inside = |p: DVec3| (to_world(false).transform_point3(p) - scene.middle()).as_vec3();
         let from = match name {
-            "inverted sphere" => Vec3::new(0.1, 0.2, 0.1),
+            "inverted sphere" => inside(DVec3::new(0.3, 0.1, -0.2)),
+            "inverted cylinder" => inside(DVec3::new(0.6, -0.1, 0.65)),
             _ => Vec3::new(0.4, 2.5, 3.0),
         };
         let mut random = Random::new(62);

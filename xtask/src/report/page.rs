@@ -261,7 +261,9 @@ mod tests {
 
     #[test]
     fn what_a_scene_lacks_is_seen() {
-        for line in ["instances: 0", "point, spot, directional lights: 0, 0, 0", "caustics: none (0 casters)"] {
+        for line in
+            ["instances: 0", "point, spot, projector, directional lights: 0, 0, 0, 0", "caustics: none (0 casters)"]
+        {
             assert!(is_absent(line), "{line}");
         }
         for line in ["triangles: 36", "lights: 0, 1, 0", "lens: pinhole", "nothing", "lambert: 10 objects"] {
