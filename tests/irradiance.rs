@@ -1,9 +1,15 @@
 //! Direct light on a floor against the analytic irradiance of every kind of light.
 
-use etendue_core::{filter::Filter, rgb::Rgb, scene::*, statistics::moments::Moments};
+use etendue_core::{
+    filter::Filter,
+    rgb::Rgb,
+    scene::*,
+    statistics::moments::Moments,
+    texture::{Bitmap, Interpolation, Texture, Wrap},
+};
 use etendue_tests::{Run, limit, small::*};
-use glam::{DAffine3, DVec3};
-use std::f64::consts::PI;
+use glam::{Affine2, DAffine3, DVec3, Mat2, Vec2};
+use std::{f64::consts::PI, sync::Arc};
 use xtask::techniques::TECHNIQUES;
 
 /// Every technique's mean over a spot of the floor is `0.5 / pi` times `irradiance`, within its own standard error.
@@ -106,6 +112,68 @@ fn lights_without_an_extent() {
     shows("spot off its axis", &delta_lit_floor(1e-5, spot), 0.5 * f64::from(intensity.g) * position.y / cubed);
     let directional = DeltaLight::Directional { direction: DVec3::new(1.0, -2.0, 0.5), irradiance: Rgb::splat(1.5) };
     shows("directional", &delta_lit_floor(1.0, directional), 1.5 * 2.0 / 5.25f64.sqrt());
+}
+
+/// A cylinder around the floor's middle that shines inwards: what its open end does not take of the sky above.
+#[test]
+fn inside_a_cylinder() {
+    for (radius, height) in [(1.0, 2.0), (3.0, 0.5), (1e-3, 1e-3)] {
+        let (from, to) = (DVec3::Y * -0.25 * height, DVec3::Y * height);
+        let shape = ObjectShape::Cylinder { from, to, radius, inverted: true };
+        let light = emitting(object("light", shape, DAffine3::IDENTITY, 1), 0.7);
+        let mut scene = lit_floor(1e-6, vec![light]);
+        // The camera stands inside.
+        scene.camera = Some(orthographic(DVec3::Y * (0.1 * height), DVec3::ZERO, DVec3::Z, 1e-6 * radius, 4));
+        let expected = PI * f64::from(0.7f32) * height * height / (radius * radius + height * height);
+        shows(&format!("cylinder of {radius} up to {height}"), &scene, expected);
+    }
+}
+
+/// Half of a rectangle: by symmetry, half of what the whole sends to the point below its middle.
+#[test]
+fn textured_rectangles() {
+    let (a, b, h) = (0.5, 0.3, 1.0);
+    let to_uv = Affine2 { matrix2: Mat2::from_cols(Vec2::X, Vec2::ZERO), translation: Vec2::new(0.0, 0.25) };
+    let emission = Texture::Checkerboard { even: Rgb::splat(5.0), odd: Rgb::BLACK, to_uv };
+    let light = rectangle("light", DVec3::Y * h, DVec3::NEG_Y, (a, b), 1);
+    let scene = lit_floor(1e-4, vec![Object { emission: Some(emission), ..light }]);
+    shows("half a rectangle", &scene, 0.5 * rectangle_irradiance(5.0, a, b, h));
+}
+
+/// A projector's irradiance is that of a plane at distance 1; a spot's image is a factor.
+#[test]
+fn pictures() {
+    let texels = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(Rgb::splat).to_vec();
+    let bitmap = Arc::new(Bitmap { width: 3, height: 2, texels });
+    let image = || Texture::Bitmap {
+        bitmap: bitmap.clone(),
+        interpolation: Interpolation::Nearest,
+        wrap: Wrap::Clamp,
+        to_uv: Affine2::IDENTITY,
+    };
+    // Three metres above the floor and aside, looking down: the floor's middle is to the right of the axis and below.
+    let (height, x, z) = (3.0, 0.9, 0.4);
+    let position = DVec3::new(x, height, z);
+    // Who looks down with +z up has +x to the left.
+    let to_world = look_at(position, position - DVec3::Y, DVec3::Z);
+    let projector = DeltaLight::Projector { to_world, fov_x: 1.0, aspect: 1.5, irradiance: image() };
+    let half = 3.0 * 0.5f64.tan();
+    let texel = |half_height: f64| {
+        let (u, v) = (0.5 + 0.5 * x / half, 0.5 - 0.5 * z / half_height);
+        f64::from(u8::from(v < 0.5)) * 3.0 + (u * 3.0).floor() + 1.0
+    };
+    shows("projector", &delta_lit_floor(1e-5, projector), texel(half / 1.5) / (height * height));
+
+    let cubed = position.length().powi(3);
+    let spot = DeltaLight::Spot {
+        position,
+        direction: DVec3::NEG_Y,
+        intensity: Rgb::splat(2.0),
+        beam: 0.5,
+        cutoff: 0.5,
+        image: Some((image(), DVec3::Z)),
+    };
+    shows("spot with an image", &delta_lit_floor(1e-5, spot), 2.0 * texel(half) * height / cubed);
 }
 
 #[test]

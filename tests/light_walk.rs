@@ -3,6 +3,7 @@
 
 use etendue_core::{
     bsdf::TransportMode,
+    camera::Crop,
     film::Film,
     filter::Filter,
     geometry::offset::{offset_origin, shadow_ray_to_point},
@@ -18,10 +19,12 @@ use etendue_core::{
         tiles::{WHOLE_IMAGE, compare, replicated_tile_means},
     },
     technique::{Part, Parts},
+    texture::{Bitmap, Texture},
     walk::{SurfaceVertex, Vertex, Walk},
 };
 use etendue_tests::{Run, limit, small::*};
 use glam::{DAffine3, DVec3};
+use std::sync::Arc;
 
 /// Follows one particle and calls `visit` at each surface that it meets.
 fn particle(run: &Run, sampler: &mut dyn Sampler, mut visit: impl FnMut(&SurfaceVertex, &mut dyn Sampler)) {
@@ -140,6 +143,46 @@ fn so_it_does_with_every_kind_of_light_and_camera() {
         (camera.projection, camera.to_world, camera.resolution) = (projection, at, glam::UVec2::splat(16));
         agree(name, Run::of(&scene, Filter::Tent { radius: 1.0 }, 6), 64);
     }
+}
+
+/// Shapes that emit by a texture, a cylinder among them, and lights that throw a picture.
+#[test]
+fn so_it_does_with_textured_lights_and_pictures() {
+    let texels = (0..12).map(|i| Rgb::new(i as f32, (i % 5) as f32, (7 * i % 11) as f32) * 0.3).collect();
+    let noise = Texture::bitmap(Arc::new(Bitmap { width: 4, height: 3, texels }));
+    let shining = |object: Object| Object { emission: Some(noise.clone()), ..object };
+    let (from, to) = (DVec3::new(-1.2, 0.3, 0.8), DVec3::new(-0.5, 0.6, 1.1));
+    let tube = ObjectShape::Cylinder { from, to, radius: 0.15, inverted: false };
+    let mut scene = lit_floor(
+        3.0,
+        vec![
+            shining(sphere("lamp", DVec3::new(0.6, 0.7, 0.0), 0.2, 1)),
+            shining(object("tube", tube, DAffine3::IDENTITY, 0)),
+            shining(rectangle("panel", DVec3::new(0.0, 1.5, 0.5), DVec3::NEG_Y, (0.5, 0.3), 1)),
+        ],
+    );
+    scene.objects.push(sphere("ball", DVec3::new(-0.4, 0.4, -0.3), 0.3, 0));
+    let position = DVec3::new(-1.0, 1.5, -0.5);
+    let (beam, cutoff) = (0.3, 0.7);
+    let intensity = Rgb::new(1.0, 0.5, 0.25);
+    let image = Some((noise.clone(), DVec3::Z));
+    let to_world = look_at(DVec3::new(1.0, 2.0, -0.5), DVec3::new(0.3, 0.0, 0.0), DVec3::Z);
+    for (name, kind) in [
+        ("spot", DeltaLight::Spot { position, direction: DVec3::new(1.0, -1.5, 0.5), intensity, beam, cutoff, image }),
+        ("projector", DeltaLight::Projector { to_world, fov_x: 0.7, aspect: 1.3, irradiance: noise.clone() }),
+    ] {
+        scene.lights.push(LightDescription { name: name.into(), kind });
+    }
+    let camera = scene.camera.as_mut().expect("a camera");
+    camera.projection = etendue_core::camera::Projection::Perspective { fov_x: 0.9 };
+    camera.to_world = look_at(DVec3::new(0.0, 3.0, -3.0), DVec3::ZERO, DVec3::Y);
+    camera.resolution = glam::UVec2::splat(16);
+    agree("textured lights and pictures", Run::of(&scene, Filter::Box, 6), 64);
+    // Through a crop of the film as well.
+    let camera = scene.camera.as_mut().expect("a camera");
+    camera.resolution = glam::UVec2::new(40, 24);
+    camera.crop = Some(Crop { offset: glam::UVec2::new(13, 5), size: glam::UVec2::new(16, 8) });
+    agree("crop", Run::of(&scene, Filter::Tent { radius: 1.0 }, 6), 64);
 }
 
 /// In a closed room all that is emitted is absorbed in the end.

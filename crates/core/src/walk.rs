@@ -180,7 +180,7 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
     #[inline]
     fn absorb(&mut self, distance: f32) {
         if HAS & has::MEDIA != 0 {
-            self.beta = self.beta * transmittance(self.medium, distance);
+            self.beta *= transmittance(self.medium, distance);
         }
     }
 

@@ -126,7 +126,7 @@ impl Picture {
 
     /// Where in the picture a unit direction leads, and its cosine to the axis; `None` past the picture.
     #[inline]
-    fn from_direction(&self, direction: Vec3) -> Option<(Vec2, f32)> {
+    fn place_of(&self, direction: Vec3) -> Option<(Vec2, f32)> {
         let cos = direction.dot(self.axis);
         if cos.is_nan() || cos <= 0.0 {
             return None;
@@ -153,7 +153,7 @@ impl Picture {
     /// Radiant intensity in a unit direction.
     #[inline]
     pub fn intensity(&self, direction: Vec3) -> Rgb {
-        let Some((uv, cos)) = self.from_direction(direction) else { return Rgb::BLACK };
+        let Some((uv, cos)) = self.place_of(direction) else { return Rgb::BLACK };
         let value = self.texture.at(&TexturePoint { uv, color: Rgb::WHITE });
         match self.kind {
             Kind::Spot { intensity, cone } => value * intensity * cone.falloff(direction),
@@ -171,7 +171,7 @@ impl Picture {
     /// Density of [`Picture::sample`] per steradian.
     #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {
-        let (Some(cells), Some((uv, cos))) = (&self.cells, self.from_direction(direction)) else { return 0.0 };
+        let (Some(cells), Some((uv, cos))) = (&self.cells, self.place_of(direction)) else { return 0.0 };
         cells.pdf(uv) / (4.0 * self.half.x * self.half.y * (cos * cos * cos))
     }
 
