@@ -1,16 +1,20 @@
 //! Small scenes of another renderer's own tests, with its references: every kind of shape, material, light and camera.
 //!
-//! As many samples a pixel are taken as the scene file asks for, times `ETENDUE_FEATURE_SAMPLES`; and more where our choice of
-//! lights, by power, rarely takes the one that a picture is made of: what no sample has found has no variance. Each channel of
-//! each pixel is held against the reference by its standard error, from the variance image beside the reference or from our
-//! own samples, whichever is larger: other ways of sampling have other variances. At a significance of 1 % for the whole
-//! image, Sidak-corrected, 99.75 % of the pixels must pass, and the image mean must be within four standard errors.
+//! As many samples a pixel are taken as the scene file asks for, times `ETENDUE_FEATURE_SAMPLES`; some times more for rough
+//! glass and for pictures thrown by lamps, which have no variance before they are found. Each channel of each pixel is held against the reference by
+//! its standard error, from the variance image beside the reference or from our own samples, whichever is larger: other ways
+//! of sampling have other variances. At a significance of 1 % for the whole image, Sidak-corrected, 99.75 % of the pixels must
+//! pass, and the image mean must be within four standard errors.
+//!
+//! Known to differ, by less than these tests resolve: where a bump map's normal turns away from the viewer, light is lost here
+//! and mirrored there (.5 % of the image of `bump_map`); the thin principled sheet lets 1.7 % more through, as it is reciprocal
+//! here; the radiance of an even `constant` light is .1 % another.
 
-use etendue_core::rgb::Rgb;
+use etendue_core::{lights::LightChoice, rgb::Rgb, scene::Scene};
 use etendue_path::INFO;
 use etendue_scenes::{LoadOptions, load_with};
 use etendue_tests::{Run, shared};
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 use xtask::exr_file::read_picture;
 
 /// Variances below this are taken as this, as the authors of the references do: a few samples that all agree say little.
@@ -27,7 +31,12 @@ fn agrees(folder: &str, scene: &str, reference: &str, often: u32) {
     let file = path(format!("{scene}.xml"));
     let options = LoadOptions { outside_folder: true, ..LoadOptions::default() };
     let loaded = load_with(file.to_str().expect("a UTF-8 path"), options).unwrap_or_else(|e| panic!("{e}"));
-    let run = Run::new(&loaded);
+    let mut run = Run::new(&loaded);
+    // As the references were made: every light as often. By power, a lamp that a picture is made of may hardly ever be taken,
+    // and what no sample has found has no variance.
+    run.scene =
+        Arc::new(Scene::with_light_choice(&loaded.description, LightChoice::Uniform).expect("the scene is valid"));
+    }
     let times = std::env::var("ETENDUE_FEATURE_SAMPLES").map_or(1, |v| v.parse().expect("a number"));
     let samples = loaded.samples.expect("a scene file says how many samples it wants") * often * times;
     let film = run.film(&INFO, 1, 0..samples);
@@ -100,7 +109,7 @@ scenes! {
     orthographic: "orthographic_sensor" "test_orthographic_path" "test_orthographic" 1;
     projector_constant: "projector" "test_projector_constant_direct" "test_projector_constant" 1;
     projector_textured: "projector" "test_projector_textured_direct" "test_projector_textured" 1;
-    spot: "spot_light" "test_spot_direct" "test_spot" 64;
+    spot: "spot_light" "test_spot_direct" "test_spot" 16;
     texture_interpolation: "texture_interp" "test_texture_interp_direct" "test_texture_interp" 1;
     various_emitters: "various_emitters" "test_various_emitters_ptracer" "test_various_emitters" 8;
 }
