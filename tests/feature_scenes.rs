@@ -33,9 +33,10 @@ fn agrees(folder: &str, scene: &str, reference: &str, often: u32) {
     let loaded = load_with(file.to_str().expect("a UTF-8 path"), options).unwrap_or_else(|e| panic!("{e}"));
     let mut run = Run::new(&loaded);
     // As the references were made: every light as often. By power, a lamp that a picture is made of may hardly ever be taken,
-    // and what no sample has found has no variance.
-    run.scene =
-        Arc::new(Scene::with_light_choice(&loaded.description, LightChoice::Uniform).expect("the scene is valid"));
+    // and what no sample has found has no variance. So it is with one lamp among the triangles of another.
+    if run.scene.census().lights.area_elements < 16 {
+        run.scene =
+            Arc::new(Scene::with_light_choice(&loaded.description, LightChoice::Uniform).expect("the scene is valid"));
     }
     let times = std::env::var("ETENDUE_FEATURE_SAMPLES").map_or(1, |v| v.parse().expect("a number"));
     let samples = loaded.samples.expect("a scene file says how many samples it wants") * often * times;
