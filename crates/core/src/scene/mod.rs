@@ -89,24 +89,36 @@ impl Scene {
             objects
                 .iter()
                 .zip(placed)
-                .map(|(o, p)| p.round(middle).map_err(|problem| object_error(o, problem)))
+                .map(|(o, p)| {
+                    let bounds = p.bounds();
+                    let shape = p.round(middle).and_then(|shape| place::check_reach(bounds, middle).map(|()| shape));
+                    shape.map_err(|problem| object_error(o, problem))
+                })
                 .collect()
         };
         let shapes = round_all(&description.objects, placed, middle)?;
-        let groups = description
-            .groups
-            .iter()
-            .map(|g| round_all(&g.objects, place_all(&g.objects)?, DVec3::ZERO))
-            .collect::<Result<Vec<_>, _>>()?;
-        let instances = description.instances.iter().map(|i| Instance {
-            group: i.group as u32,
-            to_world: to_f32(&DAffine3 { translation: i.to_world.translation - middle, ..i.to_world }),
-        });
+        let mut groups = Vec::with_capacity(description.groups.len());
+        let mut group_bounds = Vec::with_capacity(description.groups.len());
+        for group in &description.groups {
+            let placed = place_all(&group.objects)?;
+            group_bounds.push(place::union(placed.iter().map(Placed::bounds)));
+            groups.push(round_all(&group.objects, placed, DVec3::ZERO)?);
+        }
+        let mut instances = Vec::with_capacity(description.instances.len());
+        for (index, i) in description.instances.iter().enumerate() {
+            let to_world = to_f32(&DAffine3 { translation: i.to_world.translation - middle, ..i.to_world });
+            // Rounding may have made it singular or infinite.
+            let rounded = to_world.as_daffine3();
+            place::check_transform(&rounded)
+                .and_then(|()| place::check_reach(place::transformed(&i.to_world, group_bounds[i.group]), middle))
+                .map_err(|problem| SceneError::Item { kind: Kind::Instance, name: index.to_string(), problem })?;
+            instances.push(Instance { group: i.group as u32, to_world });
+        }
 
         let census = Census::of(description);
         let (infos, area) = emitters(description, &shapes);
         let camera = Camera::new(camera, middle)?;
-        let geometry = Geometry::build(shapes, groups, instances.collect());
+        let geometry = Geometry::build(shapes, groups, instances);
         let world = bounding_sphere(&geometry);
         let delta = description.lights.iter().map(|l| recentre(l.kind.clone(), middle)).collect();
         let lights = Lights::build(area, delta, description.environment.clone(), world, choice);
@@ -270,12 +282,7 @@ fn to_f32(t: &DAffine3) -> Affine3A {
 fn middle_of_world(description: &SceneDescription, placed: &[Placed]) -> DVec3 {
     let camera = description.camera.iter().map(|c| (c.to_world.translation, c.to_world.translation));
     let instances = description.instances.iter().map(|i| (i.to_world.translation, i.to_world.translation));
-    let (lo, hi) = placed
-        .iter()
-        .map(Placed::bounds)
-        .chain(camera)
-        .chain(instances)
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)));
+    let (lo, hi) = place::union(placed.iter().map(Placed::bounds).chain(camera).chain(instances));
     // An empty mesh has infinite bounds; halves are added so that nothing overflows.
     let middle = lo * 0.5 + hi * 0.5;
     if middle.is_finite() { middle } else { DVec3::ZERO }

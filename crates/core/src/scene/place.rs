@@ -289,6 +289,41 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
     }
 }
 
+/// The farthest coordinate from the world's middle: a tenth of what single precision holds, so that what is calculated with
+/// boxes stays finite.
+const FARTHEST: f64 = 1e37;
+
+/// Refuses what reaches too far from the world's middle.
+pub(super) fn check_reach((lo, hi): (DVec3, DVec3), middle: DVec3) -> Result<(), Problem> {
+    // Nothing at all has bounds the wrong way round.
+    if lo.cmpgt(hi).any() {
+        return Ok(());
+    }
+    let value = (lo - middle).abs().max((hi - middle).abs()).max_element();
+    if value <= FARTHEST {
+        Ok(())
+    } else {
+        Err(Problem::OutOfRange { what: "distance from the world's middle", value, expected: "at most 1e37" })
+    }
+}
+
+/// Bounds of several bounds together; of none, the wrong way round.
+pub(super) fn union(all: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
+    all.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
+}
+
+/// Bounds of transformed bounds.
+pub(super) fn transformed(transform: &DAffine3, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
+    if lo.cmpgt(hi).any() {
+        return (lo, hi);
+    }
+    let corner = |i: u32| {
+        let pick = |bit: u32, lo: f64, hi: f64| if i & bit == 0 { lo } else { hi };
+        transform.transform_point3(DVec3::new(pick(1, lo.x, hi.x), pick(2, lo.y, hi.y), pick(4, lo.z, hi.z)))
+    };
+    union((0..8).map(|i| (corner(i), corner(i))))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
