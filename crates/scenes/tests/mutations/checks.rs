@@ -4,7 +4,7 @@
 use etendue_core::{
     geometry::Mesh,
     rgb::Rgb,
-    scene::{ObjectShape, SceneDescription},
+    scene::{ObjectShape, Scene, SceneDescription},
     texture::Bitmap,
 };
 use etendue_scenes::{gltf, image_file, load, obj, ply, serialized};
@@ -109,4 +109,6 @@ fn scene_is_sound(scene: &SceneDescription) {
         assert!(instance.to_world.is_finite(), "a transform is not finite");
     }
     assert!(scene.camera.as_ref().is_some_and(|c| c.to_world.is_finite()), "the camera's transform is not finite");
+    // What it holds may be refused; building it must not fail in another way.
+    let _ = Scene::new(scene);
 }
