@@ -2,13 +2,14 @@
 //! the path tracer renders, and what particles leave behind is what the lights emit.
 
 use etendue_core::{
-    bsdf::TransportMode,
+    bsdf::{ConductorFresnel, Distribution, Roughness, TransportMode},
     camera::Crop,
     film::Film,
     filter::Filter,
     geometry::offset::{offset_origin, shadow_ray_to_point},
     has,
     independent::independent,
+    material::{Bitangent, Material, Relief},
     ray::Ray,
     rgb::Rgb,
     sampler::{Purpose, Sampler},
@@ -23,7 +24,7 @@ use etendue_core::{
     walk::{SurfaceVertex, Vertex, Walk},
 };
 use etendue_tests::{Run, limit, small::*};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, UVec2, Vec2};
 use std::sync::Arc;
 
 /// Follows one particle and calls `visit` at each surface that it meets.
@@ -66,7 +67,9 @@ fn light_traced(run: &Run, seed: u64, passes: u32) -> Vec<Rgb> {
                     }
                     let Some(camera) = scene.camera().sample_direct(vertex.surface.p, lens) else { return };
                     let (f_cos, _) = vertex.eval_pdf::<{ has::ALL }>(camera.wi, TransportMode::Importance);
-                    let value = vertex.beta * f_cos * (camera.importance / (camera.pdf_w * paths as f32));
+                    let distance = camera.target.distance(vertex.surface.p);
+                    let left = vertex.transmittance::<{ has::ALL }>(scene, camera.wi, distance);
+                    let value = vertex.beta * f_cos * left * (camera.importance / (camera.pdf_w * paths as f32));
                     let ray = shadow_ray_to_point(&vertex.surface, camera.target);
                     if !value.is_black() && !scene.occluded::<{ has::ALL }>(&ray) {
                         splats.splat(statistics, camera.film, value);
@@ -140,7 +143,7 @@ fn so_it_does_with_every_kind_of_light_and_camera() {
     ] {
         let mut scene = scene.clone();
         let camera = scene.camera.as_mut().expect("a camera");
-        (camera.projection, camera.to_world, camera.resolution) = (projection, at, glam::UVec2::splat(16));
+        (camera.projection, camera.to_world, camera.resolution) = (projection, at, UVec2::splat(16));
         agree(name, Run::of(&scene, Filter::Tent { radius: 1.0 }, 6), 64);
     }
 }
@@ -176,13 +179,53 @@ fn so_it_does_with_textured_lights_and_pictures() {
     let camera = scene.camera.as_mut().expect("a camera");
     camera.projection = etendue_core::camera::Projection::Perspective { fov_x: 0.9 };
     camera.to_world = look_at(DVec3::new(0.0, 3.0, -3.0), DVec3::ZERO, DVec3::Y);
-    camera.resolution = glam::UVec2::splat(16);
+    camera.resolution = UVec2::splat(16);
     agree("textured lights and pictures", Run::of(&scene, Filter::Box, 6), 64);
     // Through a crop of the film as well.
     let camera = scene.camera.as_mut().expect("a camera");
-    camera.resolution = glam::UVec2::new(40, 24);
-    camera.crop = Some(Crop { offset: glam::UVec2::new(13, 5), size: glam::UVec2::new(16, 8) });
+    camera.resolution = UVec2::new(40, 24);
+    camera.crop = Some(Crop { offset: UVec2::new(13, 5), size: UVec2::new(16, 8) });
     agree("crop", Run::of(&scene, Filter::Tent { radius: 1.0 }, 6), 64);
+}
+
+/// Bumps and normal maps so steep that many are seen turned, on all sorts of material; glass that absorbs.
+#[test]
+fn so_it_does_with_reliefs_and_absorption() {
+    let texels: Vec<f32> = (0..35).map(|i| ((i * i * 7 + 3 * i) % 11) as f32 * 0.02).collect();
+    let bump = Relief::Bump { height: Texture::bitmap(Arc::new(Bitmap { width: 7, height: 5, texels })), scale: 1.0 };
+    let texels = (0..12).map(|i| Rgb::new((i % 5) as f32 * 0.2 + 0.1, (i * 7 % 4) as f32 * 0.3, 0.7)).collect();
+    let normals = Texture::bitmap(Arc::new(Bitmap { width: 4, height: 3, texels }));
+    let map = Relief::NormalMap { normals, bitangent: Bitangent::RightHanded };
+    let shiny = Roughness { distribution: Distribution::Ggx, alpha: Vec2::new(0.3, 0.2) };
+    let metal = Material::conductor(ConductorFresnel::Constant(Rgb::splat(0.8)), Some(shiny));
+    let mirror = Material::conductor(ConductorFresnel::Constant(Rgb::splat(0.8)), None);
+    let on = |relief: &Relief, inner: Material| Material::Relief { relief: relief.clone(), material: Box::new(inner) };
+    for (name, ball, floor) in [
+        ("lambert", on(&bump, Material::lambert(Rgb::splat(0.7))), on(&map, Material::lambert(Rgb::splat(0.7)))),
+        ("metal", on(&map, metal.clone()), on(&bump, metal)),
+        ("mirror", on(&map, mirror), on(&bump, Material::lambert(Rgb::splat(0.7)))),
+        ("glass", on(&map, Material::dielectric(1.5, None)), Material::lambert(Rgb::splat(0.7))),
+        ("plain glass that absorbs", Material::dielectric(1.5, None), Material::lambert(Rgb::splat(0.7))),
+        (
+            "rough glass",
+            on(&bump, Material::dielectric(1.5, Some(shiny))),
+            on(&map, Material::lambert(Rgb::splat(0.7))),
+        ),
+    ] {
+        let mut scene = lit_floor(3.0, vec![emitting(sphere("lamp", DVec3::new(1.2, 1.6, 0.3), 0.5, 1), 2.0)]);
+        scene.materials.extend([material("ball", ball), material("floor", floor)]);
+        scene.objects[0].material = 3;
+        scene.objects[0].to_world *= DAffine3::from_scale(DVec3::splat(0.2));
+        let absorption = name.contains("glass").then_some(Rgb::new(0.1, 1.0, 3.0));
+        scene.objects.push(Object { absorption, ..sphere("ball", DVec3::new(-0.3, 0.7, 0.2), 0.6, 2) });
+        let mut scene = under_sky(scene, 0.1);
+        let camera = scene.camera.as_mut().expect("a camera");
+        // Past the ball: what a mirror shows, no path from a light brings to a pinhole.
+        camera.projection = etendue_core::camera::Projection::Perspective { fov_x: 0.4 };
+        camera.to_world = look_at(DVec3::new(0.0, 2.0, -3.0), DVec3::new(0.3, 0.0, -1.2), DVec3::Y);
+        camera.resolution = UVec2::splat(16);
+        agree(&format!("relief on {name}"), Run::of(&scene, Filter::Box, 5), 64);
+    }
 }
 
 /// In a closed room all that is emitted is absorbed in the end.

@@ -1,6 +1,6 @@
 //! Materials: what a scene's surfaces are made of, before they are hit.
 
-pub use crate::relief::Relief;
+pub use crate::relief::{Bitangent, Relief};
 
 use crate::{
     bsdf::{self, Bsdf, ConductorFresnel, Distribution, Lobe, Plastic, RoughPlastic, Roughness},

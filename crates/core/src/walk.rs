@@ -1,15 +1,17 @@
 //! The one walk, from the camera or from a light, a vertex at a time.
 
 use crate::{
-    bsdf::{Bsdf, TransportMode, shading_correction},
+    bsdf::{Bsdf, BsdfSample, TransportMode, shading_correction},
     frame::Frame,
     geometry::{Surface, offset::spawn_ray},
     has,
     ray::Ray,
+    relief::Tilt,
     rgb::Rgb,
     sampler::{Purpose, Sampler},
     scene::Scene,
     statistics::render::Rays,
+    warp::ONE_MINUS_EPSILON,
 };
 use glam::{Vec2, Vec3};
 
@@ -30,8 +32,10 @@ const MOST_SURVIVAL: f32 = 0.95;
 pub struct SurfaceVertex {
     /// Geometry.
     pub surface: Surface,
-    /// Shading frame: `z` of its local space is the shading normal.
+    /// Shading frame: `z` of its local space is the shading normal, a relief's where there is one.
     pub frame: Frame,
+    /// The relief.
+    pub tilt: Option<Tilt>,
     /// Scattering.
     pub bsdf: Bsdf,
     /// Unit direction to the previous vertex, world space.
@@ -148,22 +152,28 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
                 Vertex::Escaped(EscapedVertex { direction, beta: self.beta, pdf_w: self.pdf_w, history: self.history })
             }
             Some(hit) => {
-                let mut surface = self.scene.surface::<HAS>(&self.ray, &hit);
-                self.scene.relieve::<HAS>(&mut surface);
+                let surface = self.scene.surface::<HAS>(&self.ray, &hit);
+                let wo = -direction;
+                if HAS & has::MEDIA != 0 && self.depth == 1 {
+                    // What the path starts in shows when it arrives at its boundary from inside.
+                    self.medium = self.scene.medium_behind(&surface, wo);
+                }
                 self.absorb(hit.t);
                 let bsdf = self.scene.bsdf::<HAS>(&surface);
-                // What is isotropic looks the same in every frame about the normal, and one of them is had for less.
-                let frame = if HAS & has::LOBES != 0 && bsdf.is_anisotropic() {
-                    Frame::from_normal_and_tangent(surface.ns, surface.dpdu)
-                } else {
-                    Frame::from_normal(surface.ns)
+                let tilt = self.scene.tilt::<HAS>(&surface, &bsdf);
+                let normal = match (&tilt, self.mode) {
+                    (None, _) => surface.ns,
+                    (Some(tilt), TransportMode::Radiance) => tilt.seen_from(wo),
+                    // Who looks is not known yet.
+                    (Some(tilt), TransportMode::Importance) => tilt.normals(wo)[0],
                 };
-                let wo = -direction;
+                let frame = frame_about::<HAS>(&bsdf, normal, &surface);
                 Vertex::Surface(SurfaceVertex {
                     bsdf,
                     wo_local: frame.to_local(wo),
                     surface,
                     frame,
+                    tilt,
                     wo,
                     from: self.from,
                     beta: self.beta,
@@ -204,13 +214,11 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             }
         };
         // A single Lambert lobe needs no choice; a number that is not asked for costs nothing and shifts no other.
-        let u_lobe = if HAS & has::LOBES != 0 { sampler.get_1d(self.depth, lobe) } else { 0.0 };
+        let choose = HAS & has::LOBES != 0
+            || HAS & has::TEXTURES != 0 && vertex.tilt.is_some() && self.mode == TransportMode::Importance;
+        let u_lobe = if choose { sampler.get_1d(self.depth, lobe) } else { 0.0 };
         let u = sampler.get_2d(self.depth, direction);
-        let Some(sample) = vertex.bsdf.sample::<HAS>(vertex.wo_local, u_lobe, u, self.mode) else { return false };
-        let wi = vertex.frame.to_world(sample.wi);
-        // What passes straight through a mask or a thin sheet has met no boundary that a normal belongs to.
-        let straight = HAS & has::LOBES != 0 && sample.delta && sample.wi == -vertex.wo_local;
-        let correction = if straight { 1.0 } else { vertex.correction(wi, sample.wi, self.mode) };
+        let Some((wi, sample, correction)) = vertex.sample::<HAS>(u_lobe, u, self.mode) else { return false };
         self.beta = self.beta * sample.weight * correction;
         if self.beta.is_black() {
             return false;
@@ -255,18 +263,127 @@ impl SurfaceVertex {
         transmittance(scene.medium_towards::<HAS>(&self.surface, self.wo, wi, self.medium), distance)
     }
 
+    /// Samples a direction to go on in: in the world, as a sample in some frame about the surface, and the factor that
+    /// belongs to the weight.
+    #[inline]
+    fn sample<const HAS: u32>(&self, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<(Vec3, BsdfSample, f32)> {
+        if HAS & has::TEXTURES != 0
+            && let Some(tilt) = &self.tilt
+        {
+            return self.sample_tilted::<HAS>(tilt, u_lobe, u, mode);
+        }
+        let sample = self.bsdf.sample::<HAS>(self.wo_local, u_lobe, u, mode)?;
+        let wi = self.frame.to_world(sample.wi);
+        let factor =
+            if goes_straight::<HAS>(&sample, self.wo_local) { 1.0 } else { self.correction(wi, sample.wi, mode) };
+        Some((wi, sample, factor))
+    }
+
     /// The factor that shading normals bring for light going from or to `wi` (world, and local in the shading frame):
     /// 0 where `wi` or `wo` lies on different sides of the shading and of the geometric normal.
     #[inline]
-    pub fn correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
+    fn correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
         shading_correction(mode, self.wo.dot(self.surface.ng), self.wo_local.z, wi.dot(self.surface.ng), wi_local.z)
     }
 
     /// Scattered `f |cos wi|` towards the world direction `wi`, and the density of sampling it.
     #[inline]
     pub fn eval_pdf<const HAS: u32>(&self, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        if HAS & has::TEXTURES != 0
+            && let Some(tilt) = &self.tilt
+        {
+            return self.eval_pdf_tilted::<HAS>(tilt, wi, mode);
+        }
         let wi_local = self.frame.to_local(wi);
         let (f, pdf_w) = self.bsdf.eval_pdf::<HAS>(self.wo_local, wi_local, mode);
         (f * (wi_local.z.abs() * self.correction(wi, wi_local, mode)), pdf_w)
+    }
+}
+
+/// Share of samples that a path from a light takes with a relief turned: who looks at it, and so with which normal it is
+/// seen, is only known when the direction is.
+const TURNED: f32 = 0.25;
+
+/// With a relief.
+impl SurfaceVertex {
+    /// As seen with one normal: both directions in its frame, and the factor that normals bring.
+    #[inline]
+    fn seen_with<const HAS: u32>(&self, normal: Vec3) -> SurfaceVertex {
+        let frame = frame_about::<HAS>(&self.bsdf, normal, &self.surface);
+        SurfaceVertex { frame, wo_local: frame.to_local(self.wo), tilt: None, ..*self }
+    }
+
+    /// [`SurfaceVertex::eval_pdf`].
+    fn eval_pdf_tilted<const HAS: u32>(&self, tilt: &Tilt, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        match mode {
+            TransportMode::Radiance => {
+                let (f_cos, pdf_w) = SurfaceVertex { tilt: None, ..*self }.eval_pdf::<HAS>(wi, mode);
+                (f_cos * tilt.shadowing(wi), pdf_w)
+            }
+            TransportMode::Importance => {
+                let seen = tilt.seen_from(wi);
+                let (mut value, mut density) = (Rgb::BLACK, 0.0);
+                for (normal, share) in tilt.normals(self.wo).into_iter().zip([1.0 - TURNED, TURNED]) {
+                    let (f_cos, pdf_w) = self.seen_with::<HAS>(normal).eval_pdf::<HAS>(wi, mode);
+                    density += share * pdf_w;
+                    if normal == seen {
+                        value = f_cos * tilt.shadowing(self.wo);
+                    }
+                }
+                (value, density)
+            }
+        }
+    }
+
+    /// [`SurfaceVertex::sample`].
+    fn sample_tilted<const HAS: u32>(
+        &self,
+        tilt: &Tilt,
+        u_lobe: f32,
+        u: Vec2,
+        mode: TransportMode,
+    ) -> Option<(Vec3, BsdfSample, f32)> {
+        if mode == TransportMode::Radiance {
+            let (wi, sample, factor) = SurfaceVertex { tilt: None, ..*self }.sample::<HAS>(u_lobe, u, mode)?;
+            let straight = goes_straight::<HAS>(&sample, self.wo_local);
+            return Some((wi, sample, if straight { factor } else { factor * tilt.shadowing(wi) }));
+        }
+        let [first, second] = tilt.normals(self.wo);
+        // What is left of the number chooses the lobe.
+        let (normal, share, u_lobe) = if u_lobe < TURNED {
+            (second, TURNED, u_lobe / TURNED)
+        } else {
+            (first, 1.0 - TURNED, (u_lobe - TURNED) / (1.0 - TURNED))
+        };
+        let vertex = self.seen_with::<HAS>(normal);
+        let (wi, sample, factor) = vertex.sample::<HAS>(u_lobe.min(ONE_MINUS_EPSILON), u, mode)?;
+        if sample.delta {
+            // Of the two normals, one has this direction; the other does not scatter into it.
+            if tilt.seen_from(wi) != normal {
+                return None;
+            }
+            let straight = goes_straight::<HAS>(&sample, vertex.wo_local);
+            let shadowing = if straight { 1.0 } else { tilt.shadowing(self.wo) };
+            let sample = BsdfSample { pdf_w: sample.pdf_w * share, ..sample };
+            return Some((wi, sample, factor * shadowing / share));
+        }
+        let (f_cos, pdf_w) = self.eval_pdf_tilted::<HAS>(tilt, wi, mode);
+        (pdf_w > 0.0).then(|| (wi, BsdfSample { weight: f_cos * (1.0 / pdf_w), pdf_w, ..sample }, 1.0))
+    }
+}
+
+/// Whether light passes straight through a mask or a thin sheet: it has met no boundary that a normal belongs to.
+#[inline]
+fn goes_straight<const HAS: u32>(sample: &BsdfSample, wo_local: Vec3) -> bool {
+    HAS & has::LOBES != 0 && sample.delta && sample.wi == -wo_local
+}
+
+/// The frame about a shading normal. What is isotropic looks the same in every frame, and one of them is had for less.
+#[inline]
+fn frame_about<const HAS: u32>(bsdf: &Bsdf, normal: Vec3, surface: &Surface) -> Frame {
+    if HAS & has::LOBES != 0 && bsdf.is_anisotropic() {
+        Frame::from_normal_and_tangent(normal, surface.dpdu)
+    } else {
+        Frame::from_normal(normal)
     }
 }

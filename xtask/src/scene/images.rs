@@ -93,7 +93,7 @@ impl Counter {
             Material::Relief { relief, material } => {
                 match relief {
                     Relief::Bump { height, .. } => self.texture(height),
-                    Relief::NormalMap { normals } => self.texture(normals),
+                    Relief::NormalMap { normals, .. } => self.texture(normals),
                 }
                 self.material(material);
             }

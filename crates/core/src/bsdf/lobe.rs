@@ -127,7 +127,7 @@ impl Lobe {
 
     /// Whether no light passes, so that there is only what the front reflects, and the back if it has two sides.
     #[inline]
-    fn is_opaque(&self) -> bool {
+    pub(super) fn is_opaque(&self) -> bool {
         match self {
             Lobe::Lambert { .. }
             | Lobe::Conductor { .. }

@@ -189,6 +189,13 @@ impl Bsdf {
         self.first.is_anisotropic() || self.second.is_some_and(|(lobe, _)| lobe.is_anisotropic())
     }
 
+    /// Whether there is a back that scatters as the front does: it has two sides, and but for holes lets nothing through.
+    #[inline]
+    pub fn has_opaque_back(&self) -> bool {
+        let opaque = |lobe: &Lobe| lobe.is_opaque() || matches!(lobe, Lobe::Null);
+        self.two_sided && opaque(&self.first) && self.second.as_ref().is_none_or(|(lobe, _)| opaque(lobe))
+    }
+
     /// The BSDF `f(wo, wi)` in 1/sr, without the cosine; delta lobes count nothing.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {

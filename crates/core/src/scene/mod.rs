@@ -17,7 +17,7 @@ use crate::{
     lights::{AreaLight, AreaShape, BoundingSphere, Coordinates, Emission, LightChoice, Lights},
     material::Material,
     ray::Ray,
-    relief::Relief,
+    relief::{Relief, Tilt},
     rgb::Rgb,
     texture::{Texture, TexturePoint},
 };
@@ -235,13 +235,22 @@ impl Scene {
         }
     }
 
-    /// Changes the shading normal where the material has a relief.
+    /// The relief at a point of a surface that scatters by `bsdf`.
     #[inline]
-    pub fn relieve<const HAS: u32>(&self, surface: &mut Surface) {
-        if HAS & has::TEXTURES != 0
-            && let Some(relief) = &self.materials[self.shapes[surface.shape as usize].material as usize].relief
-        {
-            relief.apply(surface);
+    pub fn tilt<const HAS: u32>(&self, surface: &Surface, bsdf: &Bsdf) -> Option<Tilt> {
+        if HAS & has::TEXTURES == 0 {
+            return None;
+        }
+        let relief = self.materials[self.shapes[surface.shape as usize].material as usize].relief.as_ref()?;
+        Tilt::new(surface.ns, relief.normal(surface)?, bsdf.has_opaque_back())
+    }
+
+    /// What absorbs on the side of a surface that the direction `w` is on; nothing outside.
+    #[inline]
+    pub fn medium_behind(&self, surface: &Surface, w: Vec3) -> Rgb {
+        match self.shapes[surface.shape as usize].absorption {
+            Some(absorption) if w.dot(surface.ng) < 0.0 => absorption,
+            _ => Rgb::BLACK,
         }
     }
 
@@ -255,13 +264,7 @@ impl Scene {
             return medium;
         }
         match self.shapes[surface.shape as usize].absorption {
-            Some(absorption) => {
-                if wi.dot(surface.ng) < 0.0 {
-                    absorption
-                } else {
-                    Rgb::BLACK
-                }
-            }
+            Some(_) => self.medium_behind(surface, wi),
             None => medium,
         }
     }

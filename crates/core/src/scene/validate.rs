@@ -176,7 +176,7 @@ fn check_material(material: &Material) -> Result<(), Problem> {
                     check_texture_between("height", height, (f32::MIN, f32::MAX))?;
                     check_texture_between("scale of the height", &(*scale).into(), (f32::MIN, f32::MAX))?;
                 }
-                Relief::NormalMap { normals } => check_texture("normal", normals, 1.0)?,
+                Relief::NormalMap { normals, .. } => check_texture("normal", normals, 1.0)?,
             }
             // Of what a relief is on, the frame is one; so it stands outside everything else.
             if matches!(**material, Material::Relief { .. }) {

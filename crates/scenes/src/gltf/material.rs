@@ -7,7 +7,7 @@ use super::{
 };
 use crate::error::Flaw;
 use etendue_core::{
-    material::{Material, Principled, PrincipledThin, Relief},
+    material::{Bitangent, Material, Principled, PrincipledThin, Relief},
     rgb::Rgb,
     scene::NamedMaterial,
     texture::Texture,
@@ -174,7 +174,10 @@ impl Reader<'_, '_> {
             opacity => Material::Mask { opacity, material: Box::new(scattering) },
         };
         let made = match normals {
-            Some(normals) => Material::Relief { relief: Relief::NormalMap { normals }, material: Box::new(masked) },
+            Some(normals) => Material::Relief {
+                relief: Relief::NormalMap { normals, bitangent: Bitangent::AlongV },
+                material: Box::new(masked),
+            },
             None => masked,
         };
         Ok((made, Surface { material: 0, emission, absorption, uvs: self.uvs, colors }))

@@ -3,7 +3,7 @@
 use crate::files::{Folder, LENIENT, described, flaw, material};
 use etendue_core::{
     bsdf::{ConductorFresnel, Distribution},
-    material::{Material, Principled, PrincipledThin, Relief, RoughnessTexture},
+    material::{Bitangent, Material, Principled, PrincipledThin, Relief, RoughnessTexture},
     rgb::Rgb,
     texture::Texture,
 };
@@ -172,7 +172,10 @@ fn nesting_is_brought_into_one_order() {
             normal(diffuse),
             (
                 Material::Relief {
-                    relief: Relief::NormalMap { normals: Rgb::new(0.5, 0.5, 1.0).into() },
+                    relief: Relief::NormalMap {
+                        normals: Rgb::new(0.5, 0.5, 1.0).into(),
+                        bitangent: Bitangent::RightHanded,
+                    },
                     material: Box::new(grey()),
                 },
                 false,

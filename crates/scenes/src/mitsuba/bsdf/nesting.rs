@@ -10,7 +10,7 @@ use crate::{
     },
 };
 use etendue_core::{
-    material::{Material, Relief},
+    material::{Bitangent, Material, Relief},
     texture::Texture,
 };
 
@@ -79,7 +79,7 @@ impl<'d> Materials<'_, 'd> {
                 [] => plugin.reflectance("normalmap")?.map(Texture::Constant),
                 _ => return Err(plugin.error("the bsdf type `normalmap` takes one texture only")),
             };
-            normals.map(|normals| Relief::NormalMap { normals })
+            normals.map(|normals| Relief::NormalMap { normals, bitangent: Bitangent::RightHanded })
         };
         if parts.relief.is_some() && relief.is_some() {
             let error = place.error("a bump or normal map on another is not supported");

@@ -151,7 +151,9 @@ fn normal_maps_are_scaled_and_stand_outermost() {
         "normalTexture": {"index": 0, "scale": 2, "extensions": transform},
     }));
     file.texture(2, &[[255, 128, 255, 255], [0, 128, 255, 255]]);
-    let Material::Relief { relief: Relief::NormalMap { normals }, material } = read(&file).0.material else { panic!() };
+    let Material::Relief { relief: Relief::NormalMap { normals, .. }, material } = read(&file).0.material else {
+        panic!()
+    };
     // x = 1, z = 1 before; x = 2 after: (2, 0, 1) / sqrt 5.
     let n = match &normals {
         Texture::Bitmap { bitmap, to_uv, .. } => {
