@@ -2,6 +2,8 @@
 
 mod sampling;
 
+#![expect(clippy::approx_constant, reason = "a figure of the table happens to be near pi")]
+
 use etendue_core::{
     bsdf::{ConductorFresnel, Distribution, Roughness, TransportMode},
     camera::{CameraDescription, Projection},
