@@ -6,9 +6,8 @@
 //! of sampling have other variances. At a significance of 1 % for the whole image, Sidak-corrected, 99.75 % of the pixels must
 //! pass, and the image mean must be within four standard errors.
 //!
-//! Known to differ, by less than these tests resolve: where a bump map's normal turns away from the viewer, light is lost here
-//! and mirrored there (.5 % of the image of `bump_map`); the thin principled sheet lets 1.7 % more through, as it is reciprocal
-//! here; the radiance of an even `constant` light is .1 % another.
+//! Known to differ, by less than these tests resolve: the thin principled sheet lets up to 1.7 % more through, as it is
+//! reciprocal here; the radiance of an even `constant` light is .1 % another.
 
 use etendue_core::{lights::LightChoice, rgb::Rgb, scene::Scene};
 use etendue_path::INFO;
