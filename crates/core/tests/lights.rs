@@ -184,7 +184,7 @@ fn a_million_lights_are_chosen_by_their_power() {
         emission: Rgb::splat(if i.is_multiple_of(100) { 52.0 } else { 1.0 }).into(),
     };
     let lights = lights((0..n).map(triangle).collect());
-    assert!(lights.memory_bytes() <= 88 * n as u64);
+    assert!(lights.table_bytes() <= 88 * n as u64);
     let p: f64 = (0..n as u32).step_by(100).map(|i| f64::from(lights.choice_probability(i))).sum();
     assert!((p - 52.0 / 151.0).abs() < 1e-6);
     let mut bright = Moments::default();

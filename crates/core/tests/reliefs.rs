@@ -125,6 +125,7 @@ fn seen(scene: &Scene) -> SurfaceVertex {
 /// the direction after. What is seen from behind is `twosided`. Bump maps on stretched highlights are left out: there Mitsuba
 /// takes a tangent of the world for one of the surface.
 type Row = (Kind, Shape, On, [f64; 3], [f64; 3], [f32; 3], f32, f32);
+#[expect(clippy::approx_constant, reason = "a coordinate happens to be 3.14")]
 #[rustfmt::skip]
 const MITSUBA: [Row; 36] = [
     (Bump, Sphere, Lambert, [1.62, 4.46, 4.04], [1.33, 0.71, 0.9], [-0.2308889, -0.0689668, 0.9705328], 0.04493423, 0.05154373),

@@ -17,14 +17,7 @@ pub use area::{AreaLight, AreaShape, Emission};
 pub use emission::{EmissionDensity, EmissionSample};
 pub use textured::Coordinates;
 
-use crate::{
-    distribution::AliasTable,
-    geometry::Surface,
-    has,
-    rgb::Rgb,
-    scene::DeltaLight,
-    texture::{Texture, TexturePoint},
-};
+use crate::{distribution::AliasTable, geometry::Surface, has, rgb::Rgb, scene::DeltaLight, texture::TexturePoint};
 use area::{AreaPoint, Emitter, PLAIN};
 use delta::Delta;
 use environment::Environment;
@@ -289,27 +282,18 @@ impl Lights {
         (radiance, pdf * self.choice_probability(self.len() as u32 - 1))
     }
 
-    /// Bytes held, an environment's image included.
-    pub fn memory_bytes(&self) -> u64 {
-        let mut bitmaps: Vec<_> = (self.textured.iter())
-            .filter_map(|t| match &*t.texture {
-                Texture::Bitmap { bitmap, .. } => Some((Arc::as_ptr(bitmap), size_of_val(&bitmap.texels[..]))),
-                _ => None,
-            })
-            .collect();
-        bitmaps.sort_unstable();
-        bitmaps.dedup();
+    /// Bytes held, images left out: they may be shared.
+    pub fn table_bytes(&self) -> u64 {
         let pictures = self.delta.iter().map(|light| match light {
-            Delta::Picture(picture) => picture.memory_bytes(),
+            Delta::Picture(picture) => picture.table_bytes(),
             _ => 0,
         });
         (self.area.capacity() * size_of::<Emitter>()
             + self.textured.capacity() * size_of::<Textured>()
-            + self.delta.capacity() * size_of::<Delta>()
-            + bitmaps.iter().map(|(_, bytes)| bytes).sum::<usize>()) as u64
+            + self.delta.capacity() * size_of::<Delta>()) as u64
             + pictures.sum::<u64>()
             + self.choice.as_ref().map_or(0, AliasTable::memory_bytes)
-            + self.sky.as_ref().map_or(0, Sky::memory_bytes)
+            + self.sky.as_ref().map_or(0, Sky::table_bytes)
     }
 
     /// Chooses an element. The bits of `u` extend those of `u_choice`: among a million elements the 24 bits of one

@@ -175,12 +175,8 @@ impl Picture {
         cells.pdf(uv) / (4.0 * self.half.x * self.half.y * (cos * cos * cos))
     }
 
-    /// Bytes held.
-    pub fn memory_bytes(&self) -> u64 {
-        let texels = match &self.texture {
-            Texture::Bitmap { bitmap, .. } => size_of_val(&bitmap.texels[..]) as u64,
-            _ => 0,
-        };
-        size_of::<Picture>() as u64 + texels + self.cells.as_ref().map_or(0, Piecewise2d::memory_bytes)
+    /// Bytes held, the image left out.
+    pub fn table_bytes(&self) -> u64 {
+        size_of::<Picture>() as u64 + self.cells.as_ref().map_or(0, Piecewise2d::memory_bytes)
     }
 }

@@ -100,12 +100,12 @@ impl Sky {
         }
     }
 
-    pub fn memory_bytes(&self) -> u64 {
+    /// Bytes held, the image left out.
+    pub fn table_bytes(&self) -> u64 {
         match self {
             Sky::Constant(_) => 0,
             Sky::LatLong(sky) => {
-                (sky.image.texels.capacity() * size_of::<Rgb>() + size_of_val(&sky.bands[..])) as u64
-                    + sky.cells.as_ref().map_or(0, Piecewise2d::memory_bytes)
+                size_of_val(&sky.bands[..]) as u64 + sky.cells.as_ref().map_or(0, Piecewise2d::memory_bytes)
             }
         }
     }

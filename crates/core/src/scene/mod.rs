@@ -2,11 +2,13 @@
 
 mod description;
 mod error;
+mod images;
 mod place;
 mod validate;
 
 pub use description::*;
 pub use error::{Kind, Problem, SceneError};
+pub use images::Images;
 
 use crate::{
     bsdf::{Bsdf, Lobe},
@@ -59,6 +61,7 @@ pub struct Scene {
     lights: Lights,
     shapes: Vec<ShapeInfo>,
     materials: Vec<PlacedMaterial>,
+    images: Images,
     object_names: Vec<String>,
 }
 
@@ -145,6 +148,7 @@ impl Scene {
             lights,
             shapes: infos,
             materials,
+            images: Images::of(description),
             object_names: objects.map(|o| o.name.clone()).collect(),
         })
     }
@@ -191,9 +195,10 @@ impl Scene {
         &self.object_names[shape as usize]
     }
 
-    /// Bytes of geometry, hierarchy and lights.
+    /// Bytes of geometry, hierarchy, lights, materials and of every image, each once.
     pub fn memory_bytes(&self) -> u64 {
-        self.geometry.memory_bytes() as u64 + self.lights.memory_bytes() + size_of_val(&*self.shapes) as u64
+        let tables = size_of_val(&*self.shapes) + size_of_val(&*self.materials);
+        self.geometry.memory_bytes() as u64 + self.lights.table_bytes() + tables as u64 + self.images.bytes
     }
 
     /// The nearest hit along a ray.
