@@ -1,0 +1,1 @@
+//! Light tracing and bidirectional path tracing.
