@@ -1,6 +1,9 @@
 //! Independent random numbers.
 
-use crate::sampler::{Purpose, Sampler};
+use crate::{
+    digest::{GOLDEN, mix},
+    sampler::{Purpose, Sampler},
+};
 use glam::Vec2;
 
 /// Independent uniform numbers, computed from their address alone: whatever else is drawn, or in which order, changes
@@ -23,9 +26,6 @@ pub struct Independent {
     /// Hash of seed, index and sample.
     base: u64,
 }
-
-/// The odd integer nearest to `2^64` over the golden ratio [Steele, Lea and Flood 2014, sec. 5].
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// More purposes than there are.
 const PURPOSES: u64 = 32;
@@ -77,13 +77,6 @@ pub fn independent(seed: u64, _planned: u32) -> Box<dyn Sampler> {
 #[inline]
 fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
-}
-
-#[inline]
-fn mix(mut z: u64) -> u64 {
-    z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ z >> 31
 }
 
 #[cfg(test)]

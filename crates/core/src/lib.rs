@@ -2,6 +2,7 @@
 
 pub mod bsdf;
 pub mod camera;
+pub mod digest;
 pub mod distribution;
 pub mod effects;
 pub mod film;

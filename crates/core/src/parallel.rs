@@ -39,6 +39,16 @@ pub fn for_ranges(count: u32, run: u32, work: impl Fn(Range<u32>) -> RenderStati
     return (0..count.div_ceil(run)).map(|i| work(range(i))).fold(RenderStatistics::default(), merged);
 }
 
+/// Whether `good` holds of every item.
+pub(crate) fn all<T: Sync>(items: &[T], good: impl Fn(&T) -> bool + Sync) -> bool {
+    // Within a run without branches, so that many are looked at at once.
+    let run = |items: &[T]| items.iter().fold(true, |all, item| all & good(item));
+    #[cfg(feature = "parallel")]
+    return items.par_chunks(1 << 14).all(run);
+    #[cfg(not(feature = "parallel"))]
+    return items.chunks(1 << 14).all(run);
+}
+
 fn merged(mut a: RenderStatistics, b: RenderStatistics) -> RenderStatistics {
     a.merge(&b);
     a
@@ -72,6 +82,17 @@ mod tests {
                 });
                 assert!(seen.iter().all(|s| s.load(Ordering::Relaxed) == 1));
             }
+        }
+    }
+
+    #[test]
+    fn all_sees_every_item() {
+        let mut items = vec![1; 40_000];
+        assert!(all(&items, |i| *i == 1) && all(&items[..0], |_| false));
+        for wrong in [0, 1 << 14, 39_999] {
+            items[wrong] = 2;
+            assert!(!all(&items, |i| *i == 1));
+            items[wrong] = 1;
         }
     }
 

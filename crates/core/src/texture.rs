@@ -1,22 +1,37 @@
 //! Values that vary over a surface.
 
-use crate::rgb::Rgb;
+use crate::{digest::Digest, rgb::Rgb};
 use glam::{Affine2, Vec2};
 use std::{
+    fmt,
     ops::{Add, Mul},
     sync::Arc,
 };
 
 /// What a texture can hold: a colour or a number.
-pub trait Texel: Copy + Add<Output = Self> + Mul<f32, Output = Self> {
+pub trait Texel: Copy + fmt::Debug + Send + Sync + Add<Output = Self> + Mul<f32, Output = Self> {
     /// A vertex colour as such a value; for a number its luminance.
     fn from_color(color: Rgb) -> Self;
+    /// Whether each component is from `least` to `most`; what is no number is not.
+    fn is_within(self, least: f32, most: f32) -> bool;
+    /// Adds its bits to a digest.
+    fn digest(self, digest: &mut Digest);
 }
 
 impl Texel for Rgb {
     #[inline]
     fn from_color(color: Rgb) -> Rgb {
         color
+    }
+
+    #[inline]
+    fn is_within(self, least: f32, most: f32) -> bool {
+        // Without branches, so that many are checked at once.
+        self.r.is_within(least, most) & self.g.is_within(least, most) & self.b.is_within(least, most)
+    }
+
+    fn digest(self, digest: &mut Digest) {
+        self.to_array().into_iter().for_each(|v| digest.add(v.to_bits()));
     }
 }
 
@@ -25,10 +40,21 @@ impl Texel for f32 {
     fn from_color(color: Rgb) -> f32 {
         color.luminance()
     }
+
+    #[inline]
+    fn is_within(self, least: f32, most: f32) -> bool {
+        (self >= least) & (self <= most)
+    }
+
+    fn digest(self, digest: &mut Digest) {
+        digest.add(self.to_bits());
+    }
 }
 
 /// An image of linear values; row 0 is the top (`v = 1`).
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Its `Debug` form has a digest of the texels, as there are millions of them.
+#[derive(Clone, PartialEq)]
 pub struct Bitmap<T> {
     /// Width in texels, positive.
     pub width: u32,
@@ -71,7 +97,7 @@ pub struct TexturePoint {
 
 /// A value as a function of the texture coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Texture<T> {
+pub enum Texture<T: Texel> {
     /// The same everywhere.
     Constant(T),
     /// Two values in squares; one period of both spans the unit square after `to_uv`.
@@ -98,7 +124,7 @@ pub enum Texture<T> {
     VertexColor,
 }
 
-impl<T> From<T> for Texture<T> {
+impl<T: Texel> From<T> for Texture<T> {
     fn from(value: T) -> Texture<T> {
         Texture::Constant(value)
     }
@@ -139,6 +165,18 @@ impl<T: Texel> Texture<T> {
             Texture::Bitmap { bitmap, .. } => bitmap.texels.clone(),
             Texture::VertexColor => Vec::new(),
         }
+    }
+}
+
+impl<T: Texel> fmt::Debug for Bitmap<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut digest = Digest::default();
+        self.texels.iter().for_each(|t| t.digest(&mut digest));
+        f.debug_struct("Bitmap")
+            .field("width", &self.width)
+            .field("height", &self.height)
+            .field("texels", &digest)
+            .finish()
     }
 }
 

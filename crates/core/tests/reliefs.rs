@@ -15,7 +15,7 @@ use etendue_core::{
     sampler::Sampler,
     scene::{NamedMaterial, Object, ObjectShape, Scene, SceneDescription},
     statistics::render::Rays,
-    texture::{Bitmap, Interpolation, Texture, Wrap},
+    texture::{Bitmap, Interpolation, Texel, Texture, Wrap},
     walk::{Limits, SurfaceVertex, Vertex, Walk},
 };
 use glam::{Affine2, DAffine3, DMat3, DQuat, DVec3, Mat2, UVec2, Vec2, Vec3};
@@ -55,7 +55,7 @@ const NORMALS: [[f32; 3]; 12] = [
 ];
 
 /// Mitsuba's images have their first row at `v = 0`.
-fn texture<T>(texels: Vec<T>, width: u32) -> Texture<T> {
+fn texture<T: Texel>(texels: Vec<T>, width: u32) -> Texture<T> {
     let bitmap = Arc::new(Bitmap { width, height: texels.len() as u32 / width, texels });
     let to_uv = Affine2 { matrix2: Mat2::from_diagonal(Vec2::new(1.0, -1.0)), translation: Vec2::Y };
     Texture::Bitmap { bitmap, interpolation: Interpolation::Bilinear, wrap: Wrap::Repeat, to_uv }

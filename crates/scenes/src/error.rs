@@ -160,6 +160,15 @@ fn edit_distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
+/// At most the first few characters of a text, for a message.
+pub(crate) fn abridged(text: &str) -> String {
+    const MOST: usize = 40;
+    if text.chars().count() <= MOST {
+        return text.to_owned();
+    }
+    text.chars().take(MOST).chain("...".chars()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,6 +15,7 @@
 pub mod builtin;
 mod cube;
 mod error;
+mod folders;
 pub mod gltf;
 pub mod image_file;
 pub mod mitsuba;
@@ -90,7 +91,9 @@ pub fn load_with(spec: &str, options: LoadOptions) -> Result<LoadedScene, LoadEr
     let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
     match extension {
         Some(extension) if extension.eq_ignore_ascii_case("xml") => mitsuba::load(path, options),
-        Some(extension) if ["gltf", "glb"].iter().any(|e| extension.eq_ignore_ascii_case(e)) => gltf::load(path),
+        Some(extension) if ["gltf", "glb"].iter().any(|e| extension.eq_ignore_ascii_case(e)) => {
+            gltf::load(path, options)
+        }
         _ if path.is_dir() => Err(Flaw::new(Place::Whole, "is a folder; a scene is a file").of(path)),
         Some(extension) if path.exists() || spec.contains(['/', '\\']) => {
             Err(LoadError::UnsupportedFormat { path: path.to_owned(), extension: format!(".{extension}") })

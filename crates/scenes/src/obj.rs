@@ -4,7 +4,7 @@
 //! materials are passed over; curves, lines and points are refused.
 
 use crate::{
-    error::{Flaw, Place},
+    error::{Flaw, Place, abridged},
     normals::vertex_normals,
 };
 use etendue_core::geometry::Mesh;
@@ -154,8 +154,4 @@ fn numbers<const N: usize>(text: &str, counts: &[usize]) -> Result<[f32; N], Str
         return Err(format!("{count} numbers where {} belong", counts[0]));
     }
     Ok(out)
-}
-
-fn abridged(word: &str) -> String {
-    word.chars().take(40).collect()
 }

@@ -14,11 +14,14 @@ mod world;
 
 pub use world::Geometry;
 
-use crate::{frame::Frame, ray::PrimitiveId, rgb::Rgb};
+use crate::{digest::Digest, frame::Frame, ray::PrimitiveId, rgb::Rgb};
 use glam::{Affine3A, Vec2, Vec3};
+use std::fmt;
 
 /// An indexed triangle mesh in world space (or in the space of its group).
-#[derive(Clone, Debug, Default)]
+///
+/// Its `Debug` form has digests of its lists, as they are long.
+#[derive(Clone, Default)]
 pub struct Mesh {
     /// Vertex positions.
     pub positions: Vec<Vec3>,
@@ -30,6 +33,20 @@ pub struct Mesh {
     pub colors: Vec<Rgb>,
     /// Vertex indices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+}
+
+impl fmt::Debug for Mesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digest = |numbers: &mut dyn Iterator<Item = u32>| numbers.collect::<Digest>();
+        let vectors = |v: &[Vec3]| digest(&mut v.iter().flat_map(|v| v.to_array().map(f32::to_bits)));
+        f.debug_struct("Mesh")
+            .field("positions", &vectors(&self.positions))
+            .field("normals", &vectors(&self.normals))
+            .field("uvs", &digest(&mut self.uvs.iter().flat_map(|v| v.to_array().map(f32::to_bits))))
+            .field("colors", &digest(&mut self.colors.iter().flat_map(|c| c.to_array().map(f32::to_bits))))
+            .field("triangles", &digest(&mut self.triangles.iter().flatten().copied()))
+            .finish()
+    }
 }
 
 /// A sphere.

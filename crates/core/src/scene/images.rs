@@ -5,7 +5,7 @@ use crate::{
     lights::environment::Environment,
     material::{Material, Principled, PrincipledThin, Relief},
     rgb::Rgb,
-    texture::{Bitmap, Texture},
+    texture::{Bitmap, Texel, Texture},
 };
 use std::{collections::HashSet, sync::Arc};
 
@@ -57,13 +57,13 @@ impl Counter {
         }
     }
 
-    fn texture<T>(&mut self, texture: &Texture<T>) {
+    fn texture<T: Texel>(&mut self, texture: &Texture<T>) {
         if let Texture::Bitmap { bitmap, .. } = texture {
             self.bitmap(bitmap);
         }
     }
 
-    fn textures<T>(&mut self, textures: &[&Texture<T>]) {
+    fn textures<T: Texel>(&mut self, textures: &[&Texture<T>]) {
         textures.iter().for_each(|t| self.texture(t));
     }
 

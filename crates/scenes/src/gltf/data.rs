@@ -1,14 +1,12 @@
 //! Bytes: those of buffers, and whatever a URI names.
 
-use super::{abridged, document::Document, flaw, item};
-use crate::error::{Flaw, read_file};
-use gltf_json::{Root, buffer};
-use std::{
-    borrow::Cow,
-    collections::HashMap,
-    path::{Component, Path, PathBuf},
-    rc::Rc,
+use super::{document::Document, flaw, item};
+use crate::{
+    error::{Flaw, abridged, read_file},
+    folders::Folders,
 };
+use gltf_json::{Root, buffer};
+use std::{borrow::Cow, collections::HashMap, path::PathBuf, rc::Rc};
 
 /// The largest file that is read beside the scene's.
 const LARGEST_FILE: u64 = super::LARGEST_FILE;
@@ -36,7 +34,7 @@ impl Bytes<'_> {
 
 impl<'b> Buffers<'b> {
     /// Reads every buffer, each file once.
-    pub(super) fn load(document: &Document<'b>, folder: Option<&Path>) -> Result<Buffers<'b>, Flaw> {
+    pub(super) fn load(document: &Document<'b>, folders: Option<&Folders>) -> Result<Buffers<'b>, Flaw> {
         let mut files: HashMap<PathBuf, Rc<Vec<u8>>> = HashMap::new();
         let mut list = Vec::new();
         for (index, buffer) in document.root.buffers.iter().enumerate() {
@@ -44,7 +42,7 @@ impl<'b> Buffers<'b> {
             let bytes = match (&buffer.uri, document.blob) {
                 (None, Some(blob)) if index == 0 => Bytes::Own(blob),
                 (None, _) => return Err(named("it has neither a URI nor bytes in the file".to_owned())),
-                (Some(uri), _) => match Source::of(uri, folder).map_err(named)? {
+                (Some(uri), _) => match Source::of(uri, folders).map_err(named)? {
                     Source::Inline(bytes) => Bytes::Other(Rc::new(bytes)),
                     Source::File(path) => match files.get(&path) {
                         Some(known) => Bytes::Other(known.clone()),
@@ -76,11 +74,11 @@ impl<'b> Buffers<'b> {
     }
 
     /// The bytes of an image.
-    pub(super) fn image(&self, root: &Root, index: usize, folder: Option<&Path>) -> Result<Cow<'_, [u8]>, Flaw> {
+    pub(super) fn image(&self, root: &Root, index: usize, folders: Option<&Folders>) -> Result<Cow<'_, [u8]>, Flaw> {
         let image = item(&root.images, "images", index)?;
         let named = |e: String| flaw(format!("images[{index}]: {e}"));
         match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => match Source::of(uri, folder).map_err(named)? {
+            (Some(uri), _) => match Source::of(uri, folders).map_err(named)? {
                 Source::Inline(bytes) => Ok(Cow::Owned(bytes)),
                 Source::File(path) => Ok(Cow::Owned(read_file(&path, LARGEST_FILE).map_err(|e| named(e.to_string()))?)),
             },
@@ -98,7 +96,7 @@ enum Source {
 }
 
 impl Source {
-    fn of(uri: &str, folder: Option<&Path>) -> Result<Source, String> {
+    fn of(uri: &str, folders: Option<&Folders>) -> Result<Source, String> {
         if let Some(data) = uri.strip_prefix("data:") {
             let (kind, data) = data.split_once(',').ok_or("its data URI has no data")?;
             let bytes = match kind.ends_with(";base64") {
@@ -110,33 +108,12 @@ impl Source {
         let refused = |why: &str| format!("the file `{}` {why}", abridged(uri));
         let name = percent_decoded(uri).and_then(|bytes| String::from_utf8(bytes).ok());
         let name = name.ok_or_else(|| refused("has a name that cannot be decoded"))?;
-        let outside = || refused("lies outside of the scene's folder, which is refused");
-        let folder = folder.ok_or_else(|| refused("cannot be read: the scene has no folder"))?;
-        if leaves(Path::new(&name)) || name.contains("://") {
-            return Err(outside());
+        let folders = folders.ok_or_else(|| refused("cannot be read: the scene has no folder"))?;
+        if name.contains("://") {
+            return Err(refused("is not in a file"));
         }
-        let real = folder.canonicalize().and_then(|folder| Ok((folder.join(&name).canonicalize()?, folder)));
-        match real {
-            // The name itself stays inside; a link on its way might not.
-            Ok((file, folder)) if file.starts_with(&folder) => Ok(Source::File(file)),
-            Ok(_) => Err(outside()),
-            Err(e) => Err(refused(&format!("cannot be read: {e}"))),
-        }
+        folders.find(&name).map(Source::File)
     }
-}
-
-/// Whether a name leads out of the folder in which it is looked up.
-fn leaves(name: &Path) -> bool {
-    let mut depth = 0i64;
-    name.components().any(|component| {
-        depth += match component {
-            Component::Normal(_) => 1,
-            Component::CurDir => 0,
-            Component::ParentDir => -1,
-            Component::RootDir | Component::Prefix(_) => return true,
-        };
-        depth < 0
-    })
 }
 
 /// Text with `%41` for `A`.
@@ -208,15 +185,18 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a b.bin"), b"x").unwrap();
         std::fs::create_dir(folder.path().join("c")).unwrap();
-        let find = |uri: &str| Source::of(uri, Some(folder.path()));
+        let folders = Folders::of(&folder.path().join("scene.gltf"), false).unwrap();
+        let find = |uri: &str| Source::of(uri, Some(&folders));
         assert!(matches!(find("a%20b.bin"), Ok(Source::File(_))));
         assert!(matches!(find("c/../a b.bin"), Ok(Source::File(_))));
         assert_eq!(find("data:text/plain,a%20b"), Ok(Source::Inline(b"a b".to_vec())));
-        for outside in ["../a", "/etc/hosts", "c/../../a", "https://example.org/a", "%2e%2e/a"] {
+        for outside in ["../a", "/etc/hosts", "c/../../a", "%2e%2e/a"] {
             let message = find(outside).unwrap_err();
             assert!(message.contains("lies outside of the scene's folder"), "{message}");
         }
-        for wrong in ["none.bin", "%zz", "%f", "data:,%", "data:;base64,*", "data:nothing", "%ff"] {
+        for wrong in
+            ["none.bin", "%zz", "%f", "data:,%", "data:;base64,*", "data:nothing", "%ff", "https://example.org/a"]
+        {
             find(wrong).unwrap_err();
         }
         assert!(Source::of("a%20b.bin", None).is_err());

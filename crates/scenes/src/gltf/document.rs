@@ -1,7 +1,7 @@
 //! The file itself: binary or text, its JSON, and what it requires.
 
-use super::{Notes, abridged, flaw};
-use crate::error::{Flaw, Place};
+use super::{Notes, flaw};
+use crate::error::{Flaw, Place, abridged};
 use gltf_json::Root;
 
 /// The extensions that are read.
@@ -26,7 +26,7 @@ pub(super) struct Document<'b> {
 
 impl<'b> Document<'b> {
     /// Reads the JSON and looks at what it requires.
-    pub(super) fn open(bytes: &'b [u8], notes: &mut Notes) -> Result<Document<'b>, Flaw> {
+    pub(super) fn open(bytes: &'b [u8], lenient: bool, notes: &mut Notes) -> Result<Document<'b>, Flaw> {
         let (json, blob) = match bytes.starts_with(b"glTF") {
             true => chunks(bytes)?,
             false => (bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), None),
@@ -44,10 +44,12 @@ impl<'b> Document<'b> {
         if root.asset.version.split('.').next() != Some("2") {
             return Err(flaw(format!("glTF of the version `{}`; 2.0 is read", abridged(&root.asset.version))));
         }
-        if let Some(name) = root.extensions_required.iter().find(|e| !EXTENSIONS.contains(&e.as_str())) {
+        if let Some(name) = root.extensions_required.iter().find(|e| !EXTENSIONS.contains(&e.as_str()) && !lenient) {
             return Err(flaw(format!("the file requires the extension `{}`, which is not supported", abridged(name))));
         }
-        for name in root.extensions_used.iter().filter(|e| !EXTENSIONS.contains(&e.as_str())) {
+        for name in
+            root.extensions_used.iter().chain(&root.extensions_required).filter(|e| !EXTENSIONS.contains(&e.as_str()))
+        {
             notes.add(format!("what the extension `{}` adds is left out", abridged(name)));
         }
         Ok(Document { root, blob })

@@ -1,7 +1,7 @@
 //! The hierarchy of nodes: what stands where.
 
 use super::{
-    MOST_TRIANGLES, Notes, abridged,
+    MOST_TRIANGLES, Notes,
     camera::{camera, default_camera},
     data::Buffers,
     document::Document,
@@ -11,7 +11,10 @@ use super::{
     mesh::Geometry,
     texture::Textures,
 };
-use crate::error::Flaw;
+use crate::{
+    error::{Flaw, abridged},
+    folders::Folders,
+};
 use etendue_core::{
     geometry::Mesh,
     lights::environment::Environment,
@@ -20,10 +23,7 @@ use etendue_core::{
 };
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf_json::{Root, scene::Node};
-use std::{
-    collections::{HashMap, HashSet},
-    path::Path,
-};
+use std::collections::{HashMap, HashSet};
 
 /// A node of the scene with its place in the world.
 struct Placed<'d> {
@@ -36,7 +36,7 @@ struct Placed<'d> {
 pub(super) fn scene(
     document: &Document,
     buffers: &Buffers,
-    folder: Option<&Path>,
+    folders: Option<&Folders>,
     notes: &mut Notes,
 ) -> Result<SceneDescription, Flaw> {
     let root = &document.root;
@@ -45,7 +45,7 @@ pub(super) fn scene(
     let mut builder = Builder {
         root,
         buffers,
-        materials: Materials::new(root, Textures::new(root, buffers, folder)),
+        materials: Materials::new(root, Textures::new(root, buffers, folders)),
         triangles: 0,
         names: HashMap::new(),
     };

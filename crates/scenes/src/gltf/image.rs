@@ -1,7 +1,10 @@
 //! Images, decoded from PNG or JPEG.
 
 use super::flaw;
-use crate::{error::Flaw, image_file::MOST_TEXELS};
+use crate::{
+    error::Flaw,
+    image_file::{MOST_TEXELS, from_srgb},
+};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use std::io::Cursor;
 
@@ -70,11 +73,6 @@ impl Decoded {
             Texels::Sixteen(_) => Box::new(self.texels().map(|[r, g, b, _]| [r, g, b].map(from_srgb))),
         }
     }
-}
-
-/// A component of sRGB as linear light [IEC 61966-2-1].
-fn from_srgb(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 
 /// A message about an image of the file's list.

@@ -5,7 +5,7 @@ use super::{
     texture::{Lookup, Textures},
     valid,
 };
-use crate::error::Flaw;
+use crate::error::{Flaw, abridged};
 use etendue_core::{
     material::{Bitangent, Material, Principled, PrincipledThin, Relief},
     rgb::Rgb,
@@ -276,6 +276,6 @@ impl Reader<'_, '_> {
     }
 
     fn note(&mut self, what: &str) {
-        self.notes.add(format!("the material `{}` {what}", super::abridged(self.name)));
+        self.notes.add(format!("the material `{}` {what}", abridged(self.name)));
     }
 }

@@ -17,7 +17,8 @@
 //! - The first camera is taken. Without one, the scene is seen from the front, above, and right; without any light, its
 //!   environment is white.
 //!
-//! Numbers in the file that point beyond its lists or its bytes are errors. A file that it names must lie in its folder.
+//! Numbers in the file that point beyond its lists or its bytes are errors. A file that it names must lie in its folder, unless
+//! files outside are allowed.
 
 mod accessor;
 mod camera;
@@ -33,8 +34,9 @@ mod texture;
 pub use document::EXTENSIONS;
 
 use crate::{
-    LoadedScene,
+    LoadOptions, LoadedScene,
     error::{Flaw, LoadError, Place, read_file},
+    folders::Folders,
 };
 use document::Document;
 use etendue_core::filter::Filter;
@@ -51,28 +53,30 @@ pub const MOST_TRIANGLES: usize = 1 << 27;
 ///
 /// # Errors
 ///
-/// A file that cannot be read, or anything in it that is wrong or not supported but required.
-pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
+/// A file that cannot be read, or anything in it that is wrong or not supported but required; `options` may forgive a required
+/// extension that is not known.
+pub fn load(path: &Path, options: LoadOptions) -> Result<LoadedScene, LoadError> {
     let bytes = read_file(path, LARGEST_FILE)?;
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    let mut scene = read(&bytes, Some(folder)).map_err(|flaw| flaw.of(path))?;
+    let folders = Folders::of(path, options.outside_folder)?;
+    let mut scene = parse(&bytes, Some(&folders), options.lenient).map_err(|flaw| flaw.of(path))?;
     scene.description.name = path.display().to_string();
     Ok(scene)
 }
 
-/// Reads a scene from the bytes of a `.gltf` or `.glb` file; without a folder it may not name others.
+/// Reads a scene from the bytes of a `.gltf` or `.glb` file that names no others.
 ///
 /// # Errors
 ///
 /// Anything that is wrong or not supported but required.
-pub fn read(bytes: &[u8], folder: Option<&Path>) -> Result<LoadedScene, Flaw> {
+pub fn read(bytes: &[u8]) -> Result<LoadedScene, Flaw> {
+    parse(bytes, None, false)
+}
+
+fn parse(bytes: &[u8], folders: Option<&Folders>, lenient: bool) -> Result<LoadedScene, Flaw> {
     let mut notes = Notes::default();
-    let document = Document::open(bytes, &mut notes)?;
-    let buffers = data::Buffers::load(&document, folder)?;
-    let mut description = graph::scene(&document, &buffers, folder, &mut notes)?;
+    let document = Document::open(bytes, lenient, &mut notes)?;
+    let buffers = data::Buffers::load(&document, folders)?;
+    let mut description = graph::scene(&document, &buffers, folders, &mut notes)?;
     description.name = "glTF".to_owned();
     Ok(LoadedScene {
         description,
@@ -117,9 +121,4 @@ fn valid<T: Copy>(value: &Checked<T>, place: impl FnOnce() -> String) -> Result<
         Checked::Valid(value) => Ok(*value),
         Checked::Invalid => Err(flaw(format!("{}: the value is none of those that are known", place()))),
     }
-}
-
-/// A name or path that fits into a message.
-fn abridged(text: &str) -> String {
-    text.chars().take(60).collect()
 }

@@ -7,7 +7,7 @@ use super::{
     image::{Decoded, flaw_of},
     item, valid,
 };
-use crate::error::Flaw;
+use crate::{error::Flaw, folders::Folders};
 use etendue_core::{
     rgb::Rgb,
     texture::{Bitmap, Interpolation, Texel, Texture, Wrap},
@@ -19,7 +19,7 @@ use gltf_json::{
     material::NormalTexture,
     texture::{Info, MagFilter, WrappingMode},
 };
-use std::{collections::HashMap, hash::Hash, path::Path, sync::Arc};
+use std::{collections::HashMap, hash::Hash, sync::Arc};
 
 /// Where a material looks a texture up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +83,7 @@ const MOST_TEXELS: u64 = 1 << 29;
 pub(super) struct Textures<'d> {
     root: &'d Root,
     buffers: &'d Buffers<'d>,
-    folder: Option<&'d Path>,
+    folders: Option<&'d Folders>,
     /// The image that was decoded last: the uses of one image mostly follow each other.
     last: Option<(usize, Decoded)>,
     colours: HashMap<(usize, Use), Values<Rgb>>,
@@ -93,8 +93,8 @@ pub(super) struct Textures<'d> {
 }
 
 impl<'d> Textures<'d> {
-    pub(super) fn new(root: &'d Root, buffers: &'d Buffers, folder: Option<&'d Path>) -> Textures<'d> {
-        Textures { root, buffers, folder, last: None, colours: HashMap::new(), numbers: HashMap::new(), held: 0 }
+    pub(super) fn new(root: &'d Root, buffers: &'d Buffers, folders: Option<&'d Folders>) -> Textures<'d> {
+        Textures { root, buffers, folders, last: None, colours: HashMap::new(), numbers: HashMap::new(), held: 0 }
     }
 
     /// Whether a texture has an image that can be read; if not, a note says so.
@@ -190,7 +190,7 @@ impl<'d> Textures<'d> {
         if self.last.as_ref().is_none_or(|(i, _)| *i != index) {
             // The memory of the last one is free before that of the next is taken.
             self.last = None;
-            let bytes = self.buffers.image(self.root, index, self.folder)?;
+            let bytes = self.buffers.image(self.root, index, self.folders)?;
             self.last = Some((index, Decoded::of(&bytes).map_err(|e| flaw_of(index, &e))?));
         }
         let Some((_, image)) = &self.last else { return Err(flaw_of(index, "it is not decoded")) };

@@ -1,12 +1,12 @@
 //! The meshes and images that a scene names, read before its elements are, on all processors.
 
 use super::{
-    files::Folders,
     tree::{Node, Tree},
     value::{self, snake_case},
 };
 use crate::{
     error::{Flaw, LoadError, read_file},
+    folders::Folders,
     image_file::{self, Coding},
     obj, ply, serialized,
 };

@@ -2,14 +2,13 @@
 
 use super::{
     ahead::Ahead,
-    files::Folders,
     images::Images,
     tree::{Node, Tree},
-    value::abridged,
 };
 use crate::{
     LoadOptions,
-    error::{LoadError, nearest},
+    error::{LoadError, abridged, nearest},
+    folders::Folders,
 };
 use std::{
     cell::RefCell,

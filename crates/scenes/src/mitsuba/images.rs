@@ -5,6 +5,7 @@ use super::{
     texture::{Domain, Value},
 };
 use etendue_core::{rgb::Rgb, texture::Bitmap};
+use rayon::prelude::*;
 use std::{
     cell::{Cell, RefCell},
     collections::HashMap,
@@ -40,13 +41,12 @@ impl Images {
         if let Some(held) = T::held(self).borrow().get(&key) {
             return held.clone();
         }
-        let inside = |texel: &Rgb| T::of(*texel).all(|v| (least..=most).contains(&v));
-        let moved = image.texels.iter().filter(|t| !inside(t)).count();
+        let moved: usize = image.texels.par_iter().map(|t| usize::from(!T::of(*t).is_within(least, most))).sum();
         let bounded = |v: f32| if v.is_nan() { least.max(0.0) } else { v.clamp(least, most) };
         let bitmap = match T::shared(image).filter(|_| moved == 0) {
             Some(shared) => shared,
             None => {
-                let texels = image.texels.iter().map(|t| T::of(*t).map(bounded)).collect();
+                let texels = image.texels.par_iter().map(|t| T::of(*t).map(bounded)).collect();
                 Arc::new(Bitmap { width: image.width, height: image.height, texels })
             }
         };

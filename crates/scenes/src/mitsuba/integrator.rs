@@ -1,7 +1,7 @@
 //! The integrator: how long paths are.
 
-use super::{document::Reader, plugin::Plugin, tree::Node, value::abridged};
-use crate::error::LoadError;
+use super::{document::Reader, plugin::Plugin, tree::Node};
+use crate::error::{LoadError, abridged};
 
 /// Integrators that trace paths whose length they bound: what they are to render is what path tracing renders.
 const PATHS: [&str; 21] = [

@@ -13,7 +13,6 @@ mod bsdf;
 mod daylight;
 mod document;
 mod emitter;
-mod files;
 mod film;
 mod images;
 mod integrator;
@@ -29,7 +28,10 @@ mod value;
 
 pub use parse::LARGEST_FILE;
 
-use crate::{LoadOptions, LoadedScene, error::LoadError};
+use crate::{
+    LoadOptions, LoadedScene,
+    error::{LoadError, abridged},
+};
 use bsdf::Materials;
 use document::Reader;
 use etendue_core::scene::SceneDescription;
@@ -61,7 +63,7 @@ pub fn load(path: &Path, options: LoadOptions) -> Result<LoadedScene, LoadError>
 
 fn scene<'d>(reader: &Reader<'d>, root: Node<'d>, path: &Path) -> Result<LoadedScene, LoadError> {
     if root.tag() != "scene" {
-        let message = format!("a scene file starts with <scene>, not <{}>", value::abridged(root.tag()));
+        let message = format!("a scene file starts with <scene>, not <{}>", abridged(root.tag()));
         return Err(root.error(message));
     }
     root.allow_attributes(&["version"])?;
@@ -93,7 +95,7 @@ fn scene<'d>(reader: &Reader<'d>, root: Node<'d>, path: &Path) -> Result<LoadedS
             // They are read where something refers to them.
             "texture" | "medium" if node.attribute("id").is_some() => Ok(()),
             "alias" => Ok(()),
-            other => Err(node.error(format!("<{}> is not supported in a scene", value::abridged(other)))),
+            other => Err(node.error(format!("<{}> is not supported in a scene", abridged(other)))),
         };
         reader.forgiven(read, "it is left out")?;
     }

@@ -2,11 +2,12 @@
 
 use super::{
     document::suggestion,
-    files::Folders,
     tree::{NewAttribute, Tree},
-    value::abridged,
 };
-use crate::error::{Flaw, LoadError, Place, read_file};
+use crate::{
+    error::{Flaw, LoadError, Place, abridged, read_file},
+    folders::Folders,
+};
 use roxmltree::{Document, ParsingOptions};
 use std::{
     collections::HashMap,

@@ -4,10 +4,10 @@ use super::{
     document::{Reader, suggestion},
     transform,
     tree::Node,
-    value::{self, Spectral, abridged},
+    value::{self, Spectral},
 };
 use crate::{
-    error::{LoadError, read_file},
+    error::{LoadError, abridged, read_file},
     spectrum::uniform_emission,
 };
 use etendue_core::rgb::Rgb;

@@ -6,9 +6,8 @@ use super::{
     images::{Held, Images},
     plugin::{Meaning, Plugin},
     tree::Node,
-    value::abridged,
 };
-use crate::error::LoadError;
+use crate::error::{LoadError, abridged};
 use etendue_core::{
     rgb::Rgb,
     texture::{Bitmap, Interpolation, Texel, Texture, Wrap},
@@ -59,8 +58,6 @@ pub(super) trait Value: Texel + PartialEq {
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Self>, LoadError>;
     /// The components, each of which the domain bounds, changed.
     fn map(self, f: impl Fn(f32) -> f32) -> Self;
-    /// Whether something holds of each component.
-    fn all(self, f: impl Fn(f32) -> bool) -> bool;
     /// A texel of an image; a number is the luminance.
     fn of(texel: Rgb) -> Self;
     /// Those of its images that are held.
@@ -78,10 +75,6 @@ impl Value for Rgb {
 
     fn map(self, f: impl Fn(f32) -> f32) -> Rgb {
         Rgb::new(f(self.r), f(self.g), f(self.b))
-    }
-
-    fn all(self, f: impl Fn(f32) -> bool) -> bool {
-        f(self.r) && f(self.g) && f(self.b)
     }
 
     fn of(texel: Rgb) -> Rgb {
@@ -116,10 +109,6 @@ impl Value for f32 {
     }
 
     fn map(self, f: impl Fn(f32) -> f32) -> f32 {
-        f(self)
-    }
-
-    fn all(self, f: impl Fn(f32) -> bool) -> bool {
         f(self)
     }
 
@@ -310,16 +299,16 @@ fn changed<T: Value>(texture: Texture<T>, f: impl Fn(f32) -> f32) -> Texture<T> 
 }
 
 /// The texture as it is looked up with coordinates whose v grows the other way.
-pub(super) fn upside_down<T>(texture: Texture<T>) -> Texture<T> {
+pub(super) fn upside_down<T: Texel>(texture: Texture<T>) -> Texture<T> {
     looked_up_by(texture, FLIP)
 }
 
 /// The texture as it is looked up with coordinates whose u grows the other way.
-pub(super) fn turned<T>(texture: Texture<T>) -> Texture<T> {
+pub(super) fn turned<T: Texel>(texture: Texture<T>) -> Texture<T> {
     looked_up_by(texture, Affine2 { matrix2: Mat2::from_cols(Vec2::NEG_X, Vec2::Y), translation: Vec2::X })
 }
 
-fn looked_up_by<T>(texture: Texture<T>, before: Affine2) -> Texture<T> {
+fn looked_up_by<T: Texel>(texture: Texture<T>, before: Affine2) -> Texture<T> {
     match texture {
         Texture::Bitmap { bitmap, interpolation, wrap, to_uv } => {
             Texture::Bitmap { bitmap, interpolation, wrap, to_uv: to_uv * before }

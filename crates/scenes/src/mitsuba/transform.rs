@@ -1,11 +1,8 @@
 //! `<transform>`: steps in file order, each applied after those before it.
 
-use super::{
-    tree::Node,
-    value::{self, abridged},
-};
+use super::{tree::Node, value};
 use crate::{
-    error::LoadError,
+    error::{LoadError, abridged},
     placement::{look_at, rotation},
 };
 use glam::{DAffine3, DMat3, DVec3};

@@ -1,8 +1,7 @@
 //! A scene file and those that it includes, as one tree of elements.
 
 use super::document::suggestion;
-use super::value::abridged;
-use crate::error::{Flaw, LoadError, Place};
+use crate::error::{Flaw, LoadError, Place, abridged};
 use std::path::{Path, PathBuf};
 
 /// A file of the tree.

@@ -1,6 +1,6 @@
 //! Numbers, vectors and colours as text.
 
-use crate::{image_file::from_srgb, spectrum::Spectrum};
+use crate::{error::abridged, image_file::from_srgb, spectrum::Spectrum};
 use etendue_core::rgb::Rgb;
 use glam::DVec3;
 
@@ -129,15 +129,6 @@ pub(super) fn grey_or_colour(components: [f64; 3]) -> Result<Rgb, String> {
         Some(negative) => Err(format!("a colour has no negative component ({negative})")),
         None => Ok(Rgb::from(components.map(|c| c as f32))),
     }
-}
-
-/// At most the first few characters of a text, for a message.
-pub(super) fn abridged(text: &str) -> String {
-    const MOST: usize = 40;
-    if text.chars().count() <= MOST {
-        return text.to_owned();
-    }
-    text.chars().take(MOST).chain("...".chars()).collect()
 }
 
 /// A name in the older style with capitals inside (`toWorld`, `intIOR`), in today's (`to_world`, `int_ior`).

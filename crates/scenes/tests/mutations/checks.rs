@@ -32,7 +32,7 @@ pub fn serialized(bytes: &[u8]) {
 }
 
 pub fn gltf(bytes: &[u8]) {
-    if let Ok(scene) = gltf::read(bytes, None) {
+    if let Ok(scene) = gltf::read(bytes) {
         scene_is_sound(&scene.description);
     }
 }

@@ -5,14 +5,14 @@ use etendue_core::{
     bsdf::{ConductorFresnel, Distribution},
     material::{Bitangent, Material, Principled, PrincipledThin, Relief, RoughnessTexture},
     rgb::Rgb,
-    texture::Texture,
+    texture::{Texel, Texture},
 };
 use glam::Affine2;
 
 const BOARD: &str = "<texture name=\"NAME\" type=\"checkerboard\"/>";
 
 /// In a checkerboard of numbers Mitsuba 3.9.1 has the two exchanged (`eval_1` of a `checkerboard`, against `eval`).
-fn board<T>(even: T, odd: T) -> Texture<T> {
+fn board<T: Texel>(even: T, odd: T) -> Texture<T> {
     Texture::Checkerboard { even, odd, to_uv: Affine2::IDENTITY }
 }
 

@@ -1,6 +1,7 @@
 //! The binary tree that the wide hierarchy is collapsed from.
 
 use super::Reference;
+use crate::digest::{GOLDEN, mix};
 use glam::Vec3;
 use obvhs::{
     aabb::Aabb,
@@ -85,12 +86,9 @@ fn shaken(references: &[Reference]) -> Vec<Aabb> {
         .collect()
 }
 
-/// Three numbers in [-0.5, 0.5) that depend on `i` alone. [Steele et al. 2014, SplitMix]
+/// Three numbers in [-0.5, 0.5) that depend on `i` alone.
 fn noise(i: u64) -> glam::DVec3 {
-    let mut z = (i + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^= z >> 31;
+    let z = mix((i + 1).wrapping_mul(GOLDEN));
     let part = |shift: u32| ((z >> shift) & 0x1f_ffff) as f64 / f64::from(1 << 21) - 0.5;
     glam::DVec3::new(part(0), part(21), part(42))
 }

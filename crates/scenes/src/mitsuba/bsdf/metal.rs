@@ -2,11 +2,10 @@
 
 use super::kinds::ior;
 use crate::{
-    error::LoadError,
+    error::{LoadError, abridged},
     mitsuba::{
         document::suggestion,
         plugin::{Meaning, Plugin},
-        value::abridged,
     },
     spectrum,
 };

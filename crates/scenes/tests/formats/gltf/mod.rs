@@ -21,15 +21,15 @@ const U32: u32 = 5125;
 impl File {
     /// The scene, the same from both forms of the file.
     pub(crate) fn scene(&self) -> LoadedScene {
-        let text = read(&self.text(), None).unwrap_or_else(|flaw| panic!("{flaw}"));
-        let binary = read(&self.binary(), None).unwrap_or_else(|flaw| panic!("{flaw}"));
+        let text = read(&self.text()).unwrap_or_else(|flaw| panic!("{flaw}"));
+        let binary = read(&self.binary()).unwrap_or_else(|flaw| panic!("{flaw}"));
         assert_eq!(format!("{:?}", text.description), format!("{:?}", binary.description));
         text
     }
 
     /// What is wrong with it.
     pub(crate) fn flaw(&self) -> String {
-        read(&self.text(), None).expect_err("it was read").message
+        read(&self.text()).expect_err("it was read").message
     }
 }
 

@@ -146,7 +146,7 @@ fn required_extensions_are_known_or_refused() {
 #[test]
 fn buffers_are_found_or_refused() {
     let mut json = triangle(json!({})).json;
-    let flaw = |json: &Value| read(&serde_json::to_vec(json).unwrap(), None).unwrap_err().message;
+    let flaw = |json: &Value| read(&serde_json::to_vec(json).unwrap()).unwrap_err().message;
     json["buffers"] = json!([{"byteLength": 36}]);
     assert_eq!(flaw(&json), "buffers[0]: it has neither a URI nor bytes in the file");
     json["buffers"] = json!([{"byteLength": 36, "uri": "data:;base64,AAAA"}]);
@@ -159,26 +159,26 @@ fn buffers_are_found_or_refused() {
 
 #[test]
 fn wrong_json_says_where() {
-    let flaw = read(b"{\n  \"asset\": {\"version\": 2}\n}", None).unwrap_err();
+    let flaw = read(b"{\n  \"asset\": {\"version\": 2}\n}").unwrap_err();
     assert_eq!(flaw.place, Place::Column(2, 24));
     assert!(flaw.message.starts_with("not the JSON of a glTF file: invalid type"), "{flaw}");
     for text in ["", "{", "[]", "{\"asset\": {}}", "null", "{\"asset\": {\"version\": \"2.0\"}, \"nodes\": 3}"] {
-        assert!(read(text.as_bytes(), None).unwrap_err().message.starts_with("not the JSON"), "{text}");
+        assert!(read(text.as_bytes()).unwrap_err().message.starts_with("not the JSON"), "{text}");
     }
     let deep = "[".repeat(100_000);
-    assert!(read(format!("{{\"extras\": {deep}").as_bytes(), None).is_err());
+    assert!(read(format!("{{\"extras\": {deep}").as_bytes()).is_err());
 }
 
 #[test]
 fn damaged_binary_containers_are_refused() {
     let bytes = triangle(json!({})).binary();
     for length in 0..bytes.len() {
-        assert!(read(&bytes[..length], None).is_err(), "{length}");
+        assert!(read(&bytes[..length]).is_err(), "{length}");
     }
     let with = |at: usize, value: u32| {
         let mut bytes = bytes.clone();
         bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
-        read(&bytes, None).unwrap_err().message
+        read(&bytes).unwrap_err().message
     };
     assert_eq!(with(4, 1), "a binary container of the version 1; 2 is read");
     assert_eq!(with(8, 0), "the binary file has no JSON");

@@ -1,11 +1,10 @@
 //! Where the files that a scene names are looked for.
 
-use super::value::abridged;
-use crate::error::LoadError;
+use crate::error::{LoadError, abridged};
 use std::path::{Component, Path, PathBuf};
 
 /// The folders in which files are looked for.
-pub(super) struct Folders {
+pub(crate) struct Folders {
     /// The scene's folder, without links.
     scene: PathBuf,
     /// The first that holds a file of the name is taken; the scene's folder is the last.
@@ -16,7 +15,7 @@ pub(super) struct Folders {
 
 impl Folders {
     /// The folder of a scene file.
-    pub(super) fn of(path: &Path, outside: bool) -> Result<Folders, LoadError> {
+    pub(crate) fn of(path: &Path, outside: bool) -> Result<Folders, LoadError> {
         let folder = match path.parent() {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
@@ -26,7 +25,7 @@ impl Folders {
     }
 
     /// Adds a folder, relative to that of the file that names it, in front of the others.
-    pub(super) fn add(&mut self, from: &Path, name: &str) -> Result<(), String> {
+    pub(crate) fn add(&mut self, from: &Path, name: &str) -> Result<(), String> {
         let name = name.replace('\\', "/");
         let base = from.parent().and_then(|p| p.canonicalize().ok()).unwrap_or_else(|| self.scene.clone());
         let folder = base.join(&name).canonicalize();
@@ -39,7 +38,7 @@ impl Folders {
     }
 
     /// The place of a file.
-    pub(super) fn find(&self, name: &str) -> Result<PathBuf, String> {
+    pub(crate) fn find(&self, name: &str) -> Result<PathBuf, String> {
         let name = name.replace('\\', "/");
         if !self.outside && leaves(Path::new(&name)) {
             return Err(outside("file", &name));
