@@ -35,8 +35,8 @@ fn at<T: etendue_core::texture::Texel>(texture: &Texture<T>, u: f32) -> T {
 }
 
 fn srgb(byte: u8) -> f32 {
-    let v = f32::from(byte) / 255.0;
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    let v = f64::from(f32::from(byte) / 255.0);
+    (if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }) as f32
 }
 
 #[test]

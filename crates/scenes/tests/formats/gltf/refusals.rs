@@ -1,7 +1,7 @@
 //! What is wrong is refused, and says where.
 
 use super::{U8, U32, triangle};
-use etendue_scenes::{Place, gltf::read, load};
+use etendue_scenes::{LoadOptions, Place, gltf::read, load_with};
 use serde_json::{Value, json};
 
 /// The flaw of a triangle in which something is changed.
@@ -141,6 +141,13 @@ fn required_extensions_are_known_or_refused() {
     let mut file = triangle(json!({}));
     file.json["extensionsRequired"] = json!(etendue_scenes::gltf::EXTENSIONS);
     file.scene();
+    file.json["extensionsRequired"] = json!(["KHR_none"]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.gltf");
+    std::fs::write(&path, file.text()).unwrap();
+    let with = |lenient| load_with(path.to_str().unwrap(), LoadOptions { lenient, ..LoadOptions::default() });
+    assert!(with(false).is_err());
+    assert_eq!(with(true).unwrap().notes[0], "what the extension `KHR_none` adds is left out");
 }
 
 #[test]
@@ -196,20 +203,21 @@ fn files_outside_of_the_folder_are_refused() {
     std::fs::write(folder.join("b c.bin"), [0; 100]).unwrap();
     let mut file = triangle(json!({}));
     let path = folder.join("s.gltf");
-    let mut load_with = |uri: &str| {
+    let mut naming = |uri: &str, outside_folder: bool| {
         file.json["buffers"] = json!([{"byteLength": 100, "uri": uri}]);
         std::fs::write(&path, serde_json::to_vec(&file.json).unwrap()).unwrap();
-        load(path.to_str().unwrap())
+        load_with(path.to_str().unwrap(), LoadOptions { outside_folder, ..LoadOptions::default() })
     };
-    load_with("b%20c.bin").unwrap();
-    let outside = load_with("../a.bin").unwrap_err().to_string();
-    assert!(outside.ends_with("the file `../a.bin` lies outside of the scene's folder, which is refused"), "{outside}");
+    naming("b%20c.bin", false).unwrap();
+    let outside = naming("../a.bin", false).unwrap_err().to_string();
+    assert!(outside.contains("the file `../a.bin` lies outside of the scene's folder, which is refused"), "{outside}");
     assert!(outside.contains("s.gltf: buffers[0]: "), "{outside}");
-    assert!(load_with("none.bin").unwrap_err().to_string().contains("cannot be read"));
+    naming("../a.bin", true).unwrap();
+    assert!(naming("none.bin", false).unwrap_err().to_string().contains("cannot read the file `none.bin`"));
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(outer.path().join("a.bin"), folder.join("link.bin")).unwrap();
-        assert!(load_with("link.bin").unwrap_err().to_string().contains("lies outside"));
+        assert!(naming("link.bin", false).unwrap_err().to_string().contains("lies outside"));
     }
 }
 
