@@ -39,6 +39,14 @@ pub fn for_ranges(count: u32, run: u32, work: impl Fn(Range<u32>) -> RenderStati
     return (0..count.div_ceil(run)).map(|i| work(range(i))).fold(RenderStatistics::default(), merged);
 }
 
+/// Does two things, one beside the other where there are threads for it.
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    return rayon::join(a, b);
+    #[cfg(not(feature = "parallel"))]
+    return (a(), b());
+}
+
 /// Whether `good` holds of every item.
 pub(crate) fn all<T: Sync>(items: &[T], good: impl Fn(&T) -> bool + Sync) -> bool {
     // Within a run without branches, so that many are looked at at once.

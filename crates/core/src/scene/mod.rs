@@ -18,6 +18,7 @@ use crate::{
     has,
     lights::{AreaLight, AreaShape, BoundingSphere, Coordinates, Emission, LightChoice, Lights},
     material::Material,
+    parallel,
     ray::Ray,
     relief::{Relief, Tilt},
     rgb::Rgb,
@@ -47,6 +48,20 @@ struct PlacedMaterial {
     constant: Bsdf,
     textured: Option<Material>,
     relief: Option<Relief>,
+}
+
+impl PlacedMaterial {
+    fn new(named: &NamedMaterial) -> PlacedMaterial {
+        let point = TexturePoint { uv: Vec2::ZERO, color: Rgb::WHITE };
+        PlacedMaterial {
+            constant: named.material.bsdf(&point, named.two_sided),
+            textured: named.material.is_textured().then(|| named.material.clone()),
+            relief: match &named.material {
+                Material::Relief { relief, .. } => Some(relief.clone()),
+                _ => None,
+            },
+        }
+    }
 }
 
 /// A validated scene, immutable. Rendering it cannot fail.
@@ -121,22 +136,14 @@ impl Scene {
         let census = Census::of(description);
         let (infos, area) = emitters(description, &shapes);
         let camera = Camera::new(camera, middle)?;
-        let geometry = Geometry::build(shapes, groups, instances);
+        // The tables of rough coats take as long as a hierarchy of some ten thousand triangles.
+        let (geometry, materials) = parallel::join(
+            || Geometry::build(shapes, groups, instances),
+            || description.materials.iter().map(PlacedMaterial::new).collect(),
+        );
         let world = bounding_sphere(&geometry);
         let delta = description.lights.iter().map(|l| recentre(l.kind.clone(), middle)).collect();
         let lights = Lights::build(area, delta, description.environment.clone(), world, choice);
-        let materials = description
-            .materials
-            .iter()
-            .map(|m| PlacedMaterial {
-                constant: m.material.bsdf(&TexturePoint { uv: Vec2::ZERO, color: Rgb::WHITE }, m.two_sided),
-                textured: m.material.is_textured().then(|| m.material.clone()),
-                relief: match &m.material {
-                    Material::Relief { relief, .. } => Some(relief.clone()),
-                    _ => None,
-                },
-            })
-            .collect();
         let objects = description.objects.iter().chain(description.groups.iter().flat_map(|g| &g.objects));
         Ok(Scene {
             name: description.name.clone(),

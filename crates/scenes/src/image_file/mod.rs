@@ -70,12 +70,21 @@ pub fn read(path: &Path) -> Result<Image, LoadError> {
 ///
 /// Anything that is wrong, an image of more than [`MOST_TEXELS`], or one that is too large to be in so small a file.
 pub fn decode(bytes: &[u8], name: &Path, coding: Coding) -> Result<Bitmap<Rgb>, Flaw> {
-    let format = image::guess_format(bytes).or_else(|_| ImageFormat::from_path(name)).ok();
-    match format {
+    match format(bytes, name) {
         Some(ImageFormat::OpenExr) => exr::decode(bytes),
         Some(format) if format.reading_enabled() => whole_numbers(bytes, format, coding),
         _ => Err(whole("images are read from .exr, .hdr, .png, .jpg, .bmp and .tga files")),
     }
+}
+
+/// Whether the numbers of an image are whole, and so stand for values from 0 to 1.
+pub(crate) fn is_whole(bytes: &[u8], name: &Path) -> bool {
+    !matches!(format(bytes, name), Some(ImageFormat::OpenExr | ImageFormat::Hdr))
+}
+
+/// The format, by the first bytes, or if they do not say it by the end of the name.
+fn format(bytes: &[u8], name: &Path) -> Option<ImageFormat> {
+    image::guess_format(bytes).or_else(|_| ImageFormat::from_path(name)).ok()
 }
 
 fn whole(message: impl Into<String>) -> Flaw {

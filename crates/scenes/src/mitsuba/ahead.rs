@@ -56,15 +56,24 @@ impl ImageFile {
         ImageFile { path, coding }
     }
 
-    fn read(&self) -> Result<Bitmap<Rgb>, LoadError> {
+    fn read(&self) -> Result<Picture, LoadError> {
         let coding = match self.coding {
             (0, _) => Coding::Srgb,
             (1, _) => Coding::Linear,
             (_, bits) => Coding::Gamma(f32::from_bits(bits)),
         };
         let bytes = read_file(&self.path, image_file::LARGEST_FILE)?;
-        image_file::decode(&bytes, &self.path, coding).map_err(|flaw| flaw.of(&self.path))
+        let bitmap = image_file::decode(&bytes, &self.path, coding).map_err(|flaw| flaw.of(&self.path))?;
+        Ok(Picture { bitmap: Arc::new(bitmap), within_1: image_file::is_whole(&bytes, &self.path) })
     }
+}
+
+/// An image as its file has it.
+#[derive(Clone)]
+pub(super) struct Picture {
+    pub(super) bitmap: Arc<Bitmap<Rgb>>,
+    /// Whether it is known that all values lie from 0 to 1.
+    pub(super) within_1: bool,
 }
 
 /// Files that were read without a fault. One that is not here is read, and found faulty, when it is asked for.
@@ -72,7 +81,7 @@ impl ImageFile {
 pub(super) struct Ahead {
     /// Each with the number of times that it will be asked for.
     meshes: RefCell<HashMap<(MeshFile, PathBuf), (Mesh, usize)>>,
-    images: RefCell<HashMap<ImageFile, Arc<Bitmap<Rgb>>>>,
+    images: RefCell<HashMap<ImageFile, Picture>>,
 }
 
 enum Task {
@@ -83,7 +92,7 @@ enum Task {
 
 enum Done {
     Meshes(PathBuf, Vec<(MeshFile, usize, Mesh)>),
-    Image(ImageFile, Bitmap<Rgb>),
+    Image(ImageFile, Picture),
 }
 
 /// The largest file of meshes that is read.
@@ -130,8 +139,8 @@ impl Ahead {
                     let meshes = meshes.into_iter().map(|(kind, uses, mesh)| ((kind, path.clone()), (mesh, uses)));
                     ahead.meshes.borrow_mut().extend(meshes);
                 }
-                Done::Image(file, bitmap) => {
-                    ahead.images.borrow_mut().insert(file, Arc::new(bitmap));
+                Done::Image(file, picture) => {
+                    ahead.images.borrow_mut().insert(file, picture);
                 }
             }
         }
@@ -153,13 +162,13 @@ impl Ahead {
     }
 
     /// An image as its file has it.
-    pub(super) fn image(&self, file: &ImageFile) -> Result<Arc<Bitmap<Rgb>>, LoadError> {
-        if let Some(bitmap) = self.images.borrow().get(file) {
-            return Ok(bitmap.clone());
+    pub(super) fn image(&self, file: &ImageFile) -> Result<Picture, LoadError> {
+        if let Some(picture) = self.images.borrow().get(file) {
+            return Ok(picture.clone());
         }
-        let bitmap = Arc::new(file.read()?);
-        self.images.borrow_mut().insert(file.clone(), bitmap.clone());
-        Ok(bitmap)
+        let picture = file.read()?;
+        self.images.borrow_mut().insert(file.clone(), picture.clone());
+        Ok(picture)
     }
 }
 
@@ -183,8 +192,8 @@ impl Task {
                 Some(Done::Meshes(path, meshes))
             }
             Task::Image(file) => {
-                let bitmap = file.read().ok()?;
-                Some(Done::Image(file, bitmap))
+                let picture = file.read().ok()?;
+                Some(Done::Image(file, picture))
             }
         }
     }

@@ -83,7 +83,7 @@ impl<'d> Import<'_, 'd> {
 /// lies at `u = atan2(d.x, -d.z) / 2 pi`, which is what [`Environment::LatLong`] says.
 fn image(plugin: &Plugin) -> Result<Environment, LoadError> {
     let file = ImageFile::new(plugin.file("filename")?, Coding::Srgb);
-    let mut image = plugin.reader.ahead.image(&file)?;
+    let mut image = plugin.reader.ahead.image(&file)?.bitmap;
     // Mitsuba's own bounds.
     if image.width < 2 || image.height < 3 {
         let message = format!("an environment image of {} x {} is below 2 x 3", image.width, image.height);

@@ -1,7 +1,7 @@
 //! Images as textures use them: within their bounds, each once.
 
 use super::{
-    ahead::ImageFile,
+    ahead::{ImageFile, Picture},
     texture::{Domain, Value},
 };
 use etendue_core::{rgb::Rgb, texture::Bitmap};
@@ -32,7 +32,7 @@ impl Images {
     pub(super) fn within<T: Value>(
         &self,
         file: &ImageFile,
-        image: &Arc<Bitmap<Rgb>>,
+        picture: &Picture,
         domain: Domain,
         note: impl FnOnce(String),
     ) -> Arc<Bitmap<T>> {
@@ -41,7 +41,10 @@ impl Images {
         if let Some(held) = T::held(self).borrow().get(&key) {
             return held.clone();
         }
-        let moved: usize = image.texels.par_iter().map(|t| usize::from(!T::of(*t).is_within(least, most))).sum();
+        let image = &picture.bitmap;
+        let known = picture.within_1 && least <= 0.0 && most >= 1.0;
+        let outside = |t: &Rgb| usize::from(!T::of(*t).is_within(least, most));
+        let moved: usize = if known { 0 } else { image.texels.par_iter().map(outside).sum() };
         let bounded = |v: f32| if v.is_nan() { least.max(0.0) } else { v.clamp(least, most) };
         let bitmap = match T::shared(image).filter(|_| moved == 0) {
             Some(shared) => shared,
