@@ -1,1 +1,4 @@
-//! Sample patterns: stratified, low-discrepancy and blue noise, their spectra, and resampled importance sampling.
+//! Sample patterns and what can be made of samples.
+
+pub mod ris;
+pub mod strata;
