@@ -30,7 +30,7 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// More purposes than there are.
 const PURPOSES: u64 = 32;
 
-const _: () = assert!((Purpose::CameraConnection as u64) < PURPOSES);
+const _: () = assert!((Purpose::LightCandidate as u64) < PURPOSES);
 
 impl Independent {
     /// A sampler at sample 0 of index 0.

@@ -5,7 +5,9 @@ use etendue_core::{
     filter::Filter,
     geometry::offset::{shadow_ray, spawn_ray},
     has,
+    lights::DirectSample,
     mis::power_heuristic,
+    ray::Ray,
     rgb::Rgb,
     sampler::{Purpose, Sampler},
     scene::Scene,
@@ -15,11 +17,13 @@ use etendue_core::{
 };
 use glam::UVec2;
 
-/// One estimate of a pixel's value.
+/// One estimate of a pixel's value. `RESAMPLED`: each vertex looks at `candidates` of next-event estimation; otherwise at
+/// one, whatever `candidates` is.
 #[inline]
-pub fn pixel_sample<const HAS: u32>(
+pub fn pixel_sample<const HAS: u32, const RESAMPLED: bool>(
     scene: &Scene,
     settings: &Settings,
+    candidates: u32,
     filter: Filter,
     pixel: UVec2,
     sampler: &mut dyn Sampler,
@@ -44,7 +48,11 @@ pub fn pixel_sample<const HAS: u32>(
                     sum += emitted::<HAS>(scene, settings, &vertex, element);
                 }
                 if !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
-                    sum += next_event::<HAS>(scene, settings, &vertex, sampler, rays);
+                    sum += if RESAMPLED {
+                        resampled_next_event::<HAS>(scene, settings, candidates, &vertex, sampler, rays)
+                    } else {
+                        next_event::<HAS>(scene, settings, &vertex, sampler, rays)
+                    };
                 }
                 if !walk.scatter(&vertex, sampler) {
                     return sum;
@@ -86,6 +94,42 @@ fn emitted<const HAS: u32>(scene: &Scene, settings: &Settings, vertex: &SurfaceV
     vertex.beta * radiance * bsdf_weight(vertex.history, vertex.pdf_w, light_pdf)
 }
 
+/// The part of the light that a path belongs to that ends in a sampled light.
+#[inline]
+fn sampled_part(history: History, light: &DirectSample) -> Part {
+    match (history.rough, light.infinite && !light.delta) {
+        (0, true) => Part::Environment,
+        (0, false) => Part::Direct,
+        _ => Part::Indirect,
+    }
+}
+
+/// The ray that tests whether a sampled light is visible.
+#[inline]
+fn light_ray(vertex: &SurfaceVertex, light: &DirectSample) -> Ray {
+    if light.infinite {
+        spawn_ray(&vertex.surface, light.wi)
+    } else {
+        shadow_ray(&vertex.surface, light.target, light.target_error, light.target_normal)
+    }
+}
+
+/// The weight of a sampled light; one without an extent cannot be found by sampling the BSDF.
+#[inline]
+fn light_weight(light: &DirectSample, bsdf_pdf: f32) -> f32 {
+    if light.delta { 1.0 } else { power_heuristic(light.pdf_w, bsdf_pdf) }
+}
+
+/// The light of a sampled light that arrives if nothing is in between.
+#[inline]
+fn arriving<const HAS: u32>(scene: &Scene, vertex: &SurfaceVertex, light: &DirectSample) -> Rgb {
+    if HAS & has::MEDIA == 0 {
+        return light.radiance;
+    }
+    let distance = if light.infinite { f32::INFINITY } else { light.target.distance(vertex.surface.p) };
+    light.radiance * vertex.transmittance::<HAS>(scene, light.wi, distance)
+}
+
 /// Light that reaches the vertex from a sampled point of a sampled light.
 #[inline]
 fn next_event<const HAS: u32>(
@@ -97,36 +141,51 @@ fn next_event<const HAS: u32>(
 ) -> Rgb {
     let u_choice = sampler.get_1d(vertex.depth, Purpose::LightChoice);
     let u = sampler.get_2d(vertex.depth, Purpose::LightPoint);
-    let surface = &vertex.surface;
-    let Some(light) = scene.lights().sample_direct::<HAS>(surface.p, u_choice, u) else { return Rgb::BLACK };
-    let part = match (vertex.history.rough, light.infinite && !light.delta) {
-        (0, true) => Part::Environment,
-        (0, false) => Part::Direct,
-        _ => Part::Indirect,
-    };
-    if !settings.parts.contains(part) {
+    let from = vertex.surface.p;
+    let Some(light) = scene.lights().sample_direct::<HAS>(from, u_choice, u) else { return Rgb::BLACK };
+    if !settings.parts.contains(sampled_part(vertex.history, &light)) {
         return Rgb::BLACK;
     }
     let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
     if f_cos.is_black() {
         return Rgb::BLACK;
     }
-    let ray = if light.infinite {
-        spawn_ray(surface, light.wi)
-    } else {
-        shadow_ray(surface, light.target, light.target_error, light.target_normal)
-    };
     rays.shadow += 1;
-    if scene.occluded::<HAS>(&ray) {
+    if scene.occluded::<HAS>(&light_ray(vertex, &light)) {
         return Rgb::BLACK;
     }
-    // A light without an extent cannot be found by sampling the BSDF.
-    let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, bsdf_pdf) };
-    let light_left = if HAS & has::MEDIA != 0 {
-        let distance = if light.infinite { f32::INFINITY } else { light.target.distance(surface.p) };
-        light.radiance * vertex.transmittance::<HAS>(scene, light.wi, distance)
-    } else {
-        light.radiance
-    };
-    vertex.beta * f_cos * light_left * (weight / light.pdf_w)
+    let weight = light_weight(&light, bsdf_pdf);
+    vertex.beta * f_cos * arriving::<HAS>(scene, vertex, &light) * (weight / light.pdf_w)
+}
+
+/// The same from the most promising of several samples, with one shadow ray. The weights of multiple importance sampling
+/// are part of what is resampled, each by its own candidate's densities.
+#[inline]
+fn resampled_next_event<const HAS: u32>(
+    scene: &Scene,
+    settings: &Settings,
+    candidates: u32,
+    vertex: &SurfaceVertex,
+    sampler: &mut dyn Sampler,
+    rays: &mut Rays,
+) -> Rgb {
+    let numbers = (
+        sampler.get_1d(vertex.depth, Purpose::LightChoice),
+        sampler.get_2d(vertex.depth, Purpose::LightPoint),
+        sampler.get_1d(vertex.depth, Purpose::LightCandidate),
+    );
+    let kept = scene.lights().resample_direct::<HAS>(vertex.surface.p, candidates, numbers, |light| {
+        let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
+        f_cos * arriving::<HAS>(scene, vertex, light) * light_weight(light, bsdf_pdf)
+    });
+    let Some((light, value)) = kept else { return Rgb::BLACK };
+    // Asked only now, so that the choice is the same whichever parts are rendered.
+    if !settings.parts.contains(sampled_part(vertex.history, &light)) {
+        return Rgb::BLACK;
+    }
+    rays.shadow += 1;
+    if scene.occluded::<HAS>(&light_ray(vertex, &light)) {
+        return Rgb::BLACK;
+    }
+    vertex.beta * value
 }
