@@ -84,6 +84,12 @@ pub static INFO: TechniqueInfo = TechniqueInfo {
     },
 };
 
+/// Features that the loop with several candidates is compiled for; a variant for each scene's own, as there is with one
+/// candidate, would double the time it takes to compile this crate.
+const PLAIN: u32 = has::CURVED | has::INFINITE;
+/// Those and lobes.
+const GLOSSY: u32 = PLAIN | has::LOBES;
+
 const LIGHT_CANDIDATES: Knob = Knob {
     name: "light_candidates",
     summary: "samples of the lights a vertex looks at before it sends its shadow ray",
@@ -148,10 +154,14 @@ impl PathTracer {
 impl Technique for PathTracer {
     fn pass(&mut self, seed: u64, pass: u32, film: &mut Film) {
         let start = Instant::now();
+        let has = self.scene.has();
         let counted = if self.light_candidates <= 1 {
-            specialise!(self.scene.has(), HAS => self.add_pass::<HAS, false>(seed, pass, film))
+            specialise!(has, HAS => self.add_pass::<HAS, false>(seed, pass, film))
+        } else if has & !PLAIN == 0 {
+            self.add_pass::<PLAIN, true>(seed, pass, film)
+        } else if has & !GLOSSY == 0 {
+            self.add_pass::<GLOSSY, true>(seed, pass, film)
         } else {
-            // Seldom asked for: a variant for each scene's features would double the time it takes to compile them.
             self.add_pass::<{ has::ALL }, true>(seed, pass, film)
         };
         self.statistics.merge(&counted);

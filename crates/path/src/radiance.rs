@@ -31,6 +31,7 @@ pub fn pixel_sample<const HAS: u32, const RESAMPLED: bool>(
 ) -> Rgb {
     // The position follows the filter's own density, so that every path counts alike [Ernst et al. 2006].
     let film = pixel.as_vec2() + 0.5 + filter.sample(sampler.get_2d(0, Purpose::Film));
+    let light_samples = if RESAMPLED { candidates as f32 } else { 1.0 };
     let lens = if scene.census().lens { sampler.get_2d(0, Purpose::Lens) } else { glam::Vec2::ZERO };
     let mut walk = Walk::<HAS>::from_camera(scene, settings.limits(), film, lens);
     let mut sum = Rgb::BLACK;
@@ -39,13 +40,13 @@ pub fn pixel_sample<const HAS: u32, const RESAMPLED: bool>(
             Vertex::Escaped(end) => {
                 if HAS & has::INFINITE != 0 && settings.parts.contains(seen_part(end.history, true)) {
                     let (radiance, light_pdf) = scene.lights().environment_radiance_and_pdf(end.direction);
-                    sum += end.beta * radiance * bsdf_weight(end.history, end.pdf_w, light_pdf);
+                    sum += end.beta * radiance * bsdf_weight(end.history, end.pdf_w, light_samples * light_pdf);
                 }
                 return sum;
             }
             Vertex::Surface(vertex) => {
                 if let Some(element) = scene.element(&vertex.surface) {
-                    sum += emitted::<HAS>(scene, settings, &vertex, element);
+                    sum += emitted::<HAS>(scene, settings, light_samples, &vertex, element);
                 }
                 if !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
                     sum += if RESAMPLED {
@@ -63,7 +64,7 @@ pub fn pixel_sample<const HAS: u32, const RESAMPLED: bool>(
 }
 
 /// The weight of a path whose last direction was sampled from the BSDF (or the camera): 1 where sampling the lights
-/// could not have found it.
+/// could not have found it. `light_pdf` is times the number of samples of the lights.
 #[inline]
 fn bsdf_weight(history: History, bsdf_pdf: f32, light_pdf: f32) -> f32 {
     let only_way = history.last_delta || history.rough == 0;
@@ -84,14 +85,20 @@ fn seen_part(history: History, infinite: bool) -> Part {
 
 /// Light that the vertex itself emits towards the path.
 #[inline]
-fn emitted<const HAS: u32>(scene: &Scene, settings: &Settings, vertex: &SurfaceVertex, element: u32) -> Rgb {
+fn emitted<const HAS: u32>(
+    scene: &Scene,
+    settings: &Settings,
+    light_samples: f32,
+    vertex: &SurfaceVertex,
+    element: u32,
+) -> Rgb {
     let radiance = scene.lights().emitted::<HAS>(element, &vertex.surface, vertex.wo);
     if radiance.is_black() || !settings.parts.contains(seen_part(vertex.history, false)) {
         return Rgb::BLACK;
     }
     let surface = &vertex.surface;
     let light_pdf = scene.lights().pdf_direct(element, vertex.from, surface.p, surface.ng, -vertex.wo);
-    vertex.beta * radiance * bsdf_weight(vertex.history, vertex.pdf_w, light_pdf)
+    vertex.beta * radiance * bsdf_weight(vertex.history, vertex.pdf_w, light_samples * light_pdf)
 }
 
 /// The part of the light that a path belongs to that ends in a sampled light.
@@ -114,10 +121,10 @@ fn light_ray(vertex: &SurfaceVertex, light: &DirectSample) -> Ray {
     }
 }
 
-/// The weight of a sampled light; one without an extent cannot be found by sampling the BSDF.
+/// The weight of one of so many samples of the lights; a light without an extent cannot be found by sampling the BSDF.
 #[inline]
-fn light_weight(light: &DirectSample, bsdf_pdf: f32) -> f32 {
-    if light.delta { 1.0 } else { power_heuristic(light.pdf_w, bsdf_pdf) }
+fn light_weight(light: &DirectSample, light_samples: f32, bsdf_pdf: f32) -> f32 {
+    if light.delta { 1.0 } else { power_heuristic(light_samples * light.pdf_w, bsdf_pdf) }
 }
 
 /// The light of a sampled light that arrives if nothing is in between.
@@ -154,12 +161,13 @@ fn next_event<const HAS: u32>(
     if scene.occluded::<HAS>(&light_ray(vertex, &light)) {
         return Rgb::BLACK;
     }
-    let weight = light_weight(&light, bsdf_pdf);
+    let weight = light_weight(&light, 1.0, bsdf_pdf);
     vertex.beta * f_cos * arriving::<HAS>(scene, vertex, &light) * (weight / light.pdf_w)
 }
 
 /// The same from the most promising of several samples, with one shadow ray. The weights of multiple importance sampling
-/// are part of what is resampled, each by its own candidate's densities.
+/// are part of what is resampled, each by its own candidate's densities: what is kept has none in closed form. There, all
+/// candidates count as samples, for together they settle the value of what is kept.
 #[inline]
 fn resampled_next_event<const HAS: u32>(
     scene: &Scene,
@@ -176,7 +184,7 @@ fn resampled_next_event<const HAS: u32>(
     );
     let kept = scene.lights().resample_direct::<HAS>(vertex.surface.p, candidates, numbers, |light| {
         let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
-        f_cos * arriving::<HAS>(scene, vertex, light) * light_weight(light, bsdf_pdf)
+        f_cos * arriving::<HAS>(scene, vertex, light) * light_weight(light, candidates as f32, bsdf_pdf)
     });
     let Some((light, value)) = kept else { return Rgb::BLACK };
     // Asked only now, so that the choice is the same whichever parts are rendered.

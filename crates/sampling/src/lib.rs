@@ -1,4 +1,4 @@
-//! Sample patterns and what can be made of samples.
+//! Sample patterns: stratified, low-discrepancy and blue noise, their spectra, and resampled importance sampling.
 
 pub mod discrepancy;
 pub mod integrands;
