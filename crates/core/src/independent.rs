@@ -30,7 +30,7 @@ pub struct Independent {
 /// More purposes than there are.
 const PURPOSES: u64 = 32;
 
-const _: () = assert!((Purpose::CameraConnection as u64) < PURPOSES);
+const _: () = assert!((Purpose::LightCandidate as u64) < PURPOSES);
 
 impl Independent {
     /// A sampler at sample 0 of index 0.

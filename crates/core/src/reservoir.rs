@@ -59,6 +59,12 @@ impl<T> Reservoir<T> {
         self.sample.as_ref()
     }
 
+    /// [`Reservoir::sample`], taken out.
+    #[inline]
+    pub fn into_sample(self) -> Option<T> {
+        self.sample
+    }
+
     /// Sum of the weights.
     #[inline]
     pub fn weight_sum(&self) -> f64 {

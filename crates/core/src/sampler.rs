@@ -36,6 +36,8 @@ pub enum Purpose {
     LightWalkRoulette,
     /// Point on the lens when a walk from a light is connected to the camera (2D).
     CameraConnection,
+    /// Which of several candidates of next-event estimation is kept (1D).
+    LightCandidate,
 }
 
 /// A source of numbers in `[0, 1)`; 1 itself is never returned.

@@ -1,7 +1,8 @@
 //! Unidirectional path tracing with next-event estimation: the baseline that every other technique is held against.
 //!
 //! At each vertex a light is sampled and the BSDF is sampled, and the two are joined by multiple importance sampling
-//! with the power heuristic.
+//! with the power heuristic. With the knob `light_candidates` each vertex looks at several samples of the lights and sends
+//! a shadow ray to the most promising.
 //!
 //! ```
 //! use etendue_core::{film::Film, filter::Filter, rgb::Rgb, independent::independent, scene::*, technique::*};
@@ -44,7 +45,8 @@
 //! ```
 //!
 //! Source: Kajiya, "The Rendering Equation" (1986); Veach, "Robust Monte Carlo Methods for Light Transport Simulation"
-//! (1997), ch. 9 and 10.
+//! (1997), ch. 9 and 10; for `light_candidates` Talbot, Cline and Egbert, "Importance Resampling for Global Illumination"
+//! (2005).
 //!
 //! Good at: direct light and diffuse interreflection, large lights, environments. Bad at: caustics of small lights
 //! (found only by chance, as fireflies), light that comes through a small opening. Blind to: point, spot and
@@ -59,10 +61,11 @@ mod readme {}
 
 use etendue_core::{
     film::Film,
+    has,
     scene::Scene,
     specialise,
     statistics::render::RenderStatistics,
-    technique::{Bias, Parts, Settings, Technique, TechniqueInfo},
+    technique::{Bias, Knob, Parts, Settings, Technique, TechniqueInfo},
 };
 use std::{sync::Arc, time::Instant};
 
@@ -74,40 +77,93 @@ pub static INFO: TechniqueInfo = TechniqueInfo {
     bias: Bias::Unbiased,
     covers: Parts::ALL,
     blind_spots: "point, spot and directional lights seen through mirrors or glass",
-    knobs: &[],
-    build: |scene, settings, _| Box::new(PathTracer::new(scene, settings)),
+    knobs: &[LIGHT_CANDIDATES],
+    build: |scene, settings, knobs| {
+        let candidates = knobs.first().map_or(1, |k| k.round() as u32);
+        Box::new(PathTracer::with_light_candidates(scene, settings, candidates))
+    },
+};
+
+/// Features that the loop with several candidates is compiled for; a variant for each scene's own, as there is with one
+/// candidate, would double the time it takes to compile this crate.
+const PLAIN: u32 = has::CURVED | has::INFINITE;
+/// Those and lobes.
+const GLOSSY: u32 = PLAIN | has::LOBES;
+
+const LIGHT_CANDIDATES: Knob = Knob {
+    name: "light_candidates",
+    summary: "samples of the lights a vertex looks at before it sends its shadow ray",
+    range: (1.0, 64.0),
+    default: 1.0,
 };
 
 /// The path tracer.
 pub struct PathTracer {
     scene: Arc<Scene>,
     settings: Settings,
+    light_candidates: u32,
     statistics: RenderStatistics,
 }
 
 impl PathTracer {
     /// A path tracer for a scene; nothing is built.
     pub fn new(scene: Arc<Scene>, settings: Settings) -> PathTracer {
+        PathTracer::with_light_candidates(scene, settings, 1)
+    }
+
+    /// A path tracer that at each vertex looks at so many samples of the lights, at least 1, and sends a shadow ray to one:
+    /// resampled importance sampling [Talbot et al. 2005].
+    pub fn with_light_candidates(scene: Arc<Scene>, settings: Settings, light_candidates: u32) -> PathTracer {
         let statistics = RenderStatistics { memory_bytes: scene.memory_bytes(), ..RenderStatistics::default() };
-        PathTracer { scene, settings, statistics }
+        PathTracer { scene, settings, light_candidates, statistics }
+    }
+}
+
+impl PathTracer {
+    #[inline]
+    fn add_pass<const HAS: u32, const RESAMPLED: bool>(
+        &self,
+        seed: u64,
+        pass: u32,
+        film: &mut Film,
+    ) -> RenderStatistics {
+        let (scene, settings, candidates) = (&*self.scene, &self.settings, self.light_candidates);
+        let width = film.resolution().x;
+        let filter = film.filter();
+        film.add_pass(
+            INFO.name,
+            pass,
+            || (settings.sampler)(seed, settings.planned_passes),
+            |sampler, pixel, statistics| {
+                sampler.start_sample(pixel.y * width + pixel.x, pass);
+                let rays = &mut statistics.rays;
+                radiance::pixel_sample::<HAS, RESAMPLED>(
+                    scene,
+                    settings,
+                    candidates,
+                    filter,
+                    pixel,
+                    &mut **sampler,
+                    rays,
+                )
+            },
+        )
     }
 }
 
 impl Technique for PathTracer {
     fn pass(&mut self, seed: u64, pass: u32, film: &mut Film) {
         let start = Instant::now();
-        let (scene, settings) = (&*self.scene, &self.settings);
-        let width = film.resolution().x;
-        let filter = film.filter();
-        let counted = specialise!(scene.has(), HAS => film.add_pass(
-            INFO.name,
-            pass,
-            || (settings.sampler)(seed, settings.planned_passes),
-            |sampler, pixel, statistics| {
-                sampler.start_sample(pixel.y * width + pixel.x, pass);
-                radiance::pixel_sample::<HAS>(scene, settings, filter, pixel, &mut **sampler, &mut statistics.rays)
-            },
-        ));
+        let has = self.scene.has();
+        let counted = if self.light_candidates <= 1 {
+            specialise!(has, HAS => self.add_pass::<HAS, false>(seed, pass, film))
+        } else if has & !PLAIN == 0 {
+            self.add_pass::<PLAIN, true>(seed, pass, film)
+        } else if has & !GLOSSY == 0 {
+            self.add_pass::<GLOSSY, true>(seed, pass, film)
+        } else {
+            self.add_pass::<{ has::ALL }, true>(seed, pass, film)
+        };
         self.statistics.merge(&counted);
         self.statistics.add_time("passes", start.elapsed());
     }

@@ -10,6 +10,7 @@ mod emission;
 pub mod environment;
 mod picture;
 mod polar;
+mod resampled;
 mod sky;
 mod textured;
 
