@@ -104,7 +104,7 @@ impl Technique for PathTracer {
             pass,
             || (settings.sampler)(seed, settings.planned_passes),
             |sampler, pixel, statistics| {
-                sampler.start_sample(pixel.y * width + pixel.x, pass);
+                sampler.start_pixel(pixel, width, pass);
                 radiance::pixel_sample::<HAS>(scene, settings, filter, pixel, &mut **sampler, &mut statistics.rays)
             },
         ));

@@ -1,1 +1,10 @@
 //! Sample patterns: stratified, low-discrepancy and blue noise, their spectra, and resampled importance sampling.
+
+pub mod halton;
+mod lattice;
+pub mod layout;
+pub mod pattern;
+pub mod permutation;
+pub mod sampler;
+pub mod sobol;
+pub mod stratified;
