@@ -22,6 +22,9 @@ pub static SAMPLERS: &[SamplerInfo] = &[
     SamplerInfo::of(Pattern::CorrelatedMultiJittered),
     SamplerInfo::of(Pattern::Halton),
     SamplerInfo::of(Pattern::Sobol),
+    SamplerInfo::of(Pattern::PoissonDisk),
+    SamplerInfo::of(Pattern::BestCandidate),
+    SamplerInfo::of(Pattern::BlueNoiseDithered),
 ];
 
 impl SamplerInfo {

@@ -1,11 +1,11 @@
 //! The list of patterns.
 
-use crate::{halton, sampler, sobol, stratified};
+use crate::{blue_noise, halton, sampler, sobol, stratified};
 use etendue_core::{
     independent::{self, mix, unit},
-    sampler::SamplerBuilder,
+    sampler::{Purpose, SamplerBuilder},
 };
-use glam::Vec2;
+use glam::{UVec2, Vec2};
 
 /// A way to put points into the unit square, and to give a path its numbers.
 ///
@@ -33,11 +33,18 @@ pub enum Pattern {
     Halton,
     /// Base 2, Owen-scrambled: [`sobol::sobol`].
     Sobol,
+    /// None near another: [`blue_noise::poisson_disk`].
+    PoissonDisk,
+    /// Each the farthest of several from all before: [`blue_noise::best_candidate`].
+    BestCandidate,
+    /// Sobol points, shifted for each pixel by a blue-noise mask: [`sampler::blue_noise_dithered`]. As points, those of
+    /// one pixel.
+    BlueNoiseDithered,
 }
 
 impl Pattern {
     /// Every pattern.
-    pub const ALL: [Pattern; 8] = [
+    pub const ALL: [Pattern; 11] = [
         Pattern::Independent,
         Pattern::Grid,
         Pattern::Jittered,
@@ -46,6 +53,9 @@ impl Pattern {
         Pattern::CorrelatedMultiJittered,
         Pattern::Halton,
         Pattern::Sobol,
+        Pattern::PoissonDisk,
+        Pattern::BestCandidate,
+        Pattern::BlueNoiseDithered,
     ];
 
     /// Its name: lower case, with hyphens.
@@ -59,6 +69,9 @@ impl Pattern {
             Pattern::CorrelatedMultiJittered => "correlated-multi-jittered",
             Pattern::Halton => "halton",
             Pattern::Sobol => "sobol",
+            Pattern::PoissonDisk => "poisson-disk",
+            Pattern::BestCandidate => "best-candidate",
+            Pattern::BlueNoiseDithered => "blue-noise-dithered",
         }
     }
 
@@ -73,6 +86,9 @@ impl Pattern {
             Pattern::CorrelatedMultiJittered => stratified::correlated_multi_jittered(count, seed),
             Pattern::Halton => halton::halton(count, seed),
             Pattern::Sobol => sobol::sobol(count, seed),
+            Pattern::PoissonDisk => blue_noise::poisson_disk(count, seed).points,
+            Pattern::BestCandidate => blue_noise::best_candidate(count, seed),
+            Pattern::BlueNoiseDithered => self.points_of_a_pixel(count, seed),
         }
     }
 
@@ -87,7 +103,21 @@ impl Pattern {
             Pattern::CorrelatedMultiJittered => sampler::correlated_multi_jittered,
             Pattern::Halton => sampler::halton,
             Pattern::Sobol => sampler::sobol,
+            Pattern::PoissonDisk => sampler::poisson_disk,
+            Pattern::BestCandidate => sampler::best_candidate,
+            Pattern::BlueNoiseDithered => sampler::blue_noise_dithered,
         }
+    }
+
+    /// What a sampler gives a pixel, whose place depends on the seed, as points on the first light.
+    fn points_of_a_pixel(self, count: u32, seed: u64) -> Vec<Vec2> {
+        let mut sampler = self.sampler()(seed, count);
+        let pixel = UVec2::from(stratified::jitter(mix(seed), 0)) >> 20;
+        let point = |sample| {
+            sampler.start_pixel(pixel, 1 << 12, sample);
+            sampler.get_2d(1, Purpose::LightPoint)
+        };
+        (0..count).map(point).collect()
     }
 }
 

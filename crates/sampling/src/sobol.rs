@@ -43,14 +43,15 @@ impl Sequence {
     /// A point in `[0, 1)^2`.
     #[inline]
     pub fn point(self, index: u32) -> Vec2 {
-        self.place(index, pascal(index))
+        Vec2::from(self.bits(index, pascal(index)).map(unit))
     }
 
+    /// The point's coordinates times `2^32`.
     #[inline]
-    fn place(self, x: u32, y: u32) -> Vec2 {
+    fn bits(self, x: u32, y: u32) -> [u32; 2] {
         // Both are reversed at once; the halves change places.
         let bits = (u64::from(self.x.apply(x)) << 32 | u64::from(self.y.apply(y))).reverse_bits();
-        Vec2::new(unit(bits as u32), unit((bits >> 32) as u32))
+        [bits as u32, (bits >> 32) as u32]
     }
 }
 
@@ -135,8 +136,14 @@ impl Index {
     /// A point in `[0, 1)^2` of the sequence of a key of random bits.
     #[inline]
     pub(crate) fn padded_2d(self, key: u64) -> Vec2 {
+        Vec2::from(self.padded_bits(key).map(unit))
+    }
+
+    /// The same times `2^32`.
+    #[inline]
+    pub(crate) fn padded_bits(self, key: u64) -> [u32; 2] {
         let low = self.shuffle(key);
-        Sequence::of_key(key).place(low & 0xffff | self.high, low >> 16 ^ self.pascal_high)
+        Sequence::of_key(key).bits(low & 0xffff | self.high, low >> 16 ^ self.pascal_high)
     }
 
     /// The radical inverse in base 2, scrambled by a key of random bits.

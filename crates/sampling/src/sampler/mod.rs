@@ -11,15 +11,19 @@
 //!   another of the same size. If the number is unknown, patterns of 16, 16, 32, 64, 128, ... points follow each other,
 //!   so that every power of two from 16 on is made of whole ones.
 
+mod dithered;
 mod halton;
 mod sobol;
 mod stratified;
 #[cfg(test)]
 mod tests;
+mod tiled;
 
+pub use dithered::blue_noise_dithered;
 pub use halton::halton;
 pub use sobol::sobol;
 pub use stratified::{correlated_multi_jittered, grid, jittered, multi_jittered, uniform_jitter};
+pub use tiled::{best_candidate, poisson_disk};
 
 #[cfg(doc)]
 use etendue_core::sampler::SamplerBuilder;

@@ -113,7 +113,7 @@ fn numbers_of_different_pixels_are_independent() {
 
 /// Whether a pattern gives neighbouring pixels numbers that have to do with each other.
 fn relates_pixels(pattern: Pattern) -> bool {
-    matches!(pattern, Pattern::Grid)
+    matches!(pattern, Pattern::Grid | Pattern::BlueNoiseDithered)
 }
 
 #[test]
