@@ -24,6 +24,7 @@ pub static SAMPLERS: &[SamplerInfo] = &[
     SamplerInfo::of(Pattern::Sobol),
     SamplerInfo::of(Pattern::PoissonDisk),
     SamplerInfo::of(Pattern::BestCandidate),
+    SamplerInfo::of(Pattern::Mitchell),
     SamplerInfo::of(Pattern::BlueNoiseDithered),
 ];
 

@@ -1,6 +1,7 @@
 //! Sample patterns: stratified, low-discrepancy and blue noise, their spectra, and resampled importance sampling.
 
 pub mod blue_noise;
+mod distribution;
 pub mod halton;
 mod lattice;
 pub mod layout;

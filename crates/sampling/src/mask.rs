@@ -128,22 +128,35 @@ mod tests {
         assert_eq!(value(3, 5), value(3 + MASK_SIZE, 5 + 7 * MASK_SIZE));
     }
 
-    /// Means over squares of pixels, everywhere on the torus: their variance is that of white noise times the share of it
-    /// that is left below the square's frequency.
-    #[test]
-    fn the_values_of_a_region_are_spread_evenly() {
-        let variance_of_means = |side: u32| {
-            let mean = |x: u32, y: u32| {
-                let sum: f64 = (0..side * side).map(|i| value(x + i % side, y + i / side)).sum();
-                sum / f64::from(side * side)
-            };
-            let squares: f64 = (0..PIXELS as u32).map(|i| (mean(i % MASK_SIZE, i / MASK_SIZE) - 0.5).powi(2)).sum();
-            squares / PIXELS as f64
-        };
-        for (side, share) in [(2, 0.35), (4, 0.08), (8, 0.02), (16, 0.01)] {
-            let white = 1.0 / 12.0 / f64::from(side * side);
-            let measured = variance_of_means(side) / white;
-            eprintln!("{side}: {measured} {share}");
+    /// The power spectrum over that of white noise, as a mean over frequencies of `from..to` periods in the mask.
+    fn power(from: f64, to: f64) -> f64 {
+        let size = f64::from(MASK_SIZE);
+        let wave: Vec<(f64, f64)> =
+            (0..MASK_SIZE).map(|i| (f64::from(i) / size * std::f64::consts::TAU).sin_cos()).collect();
+        let (mut sum, mut frequencies) = (0.0, 0);
+        for (fx, fy) in (0..=64_u32).flat_map(|fx| (0..=64_u32).map(move |fy| (fx, fy))) {
+            let length = f64::from(fx).hypot(f64::from(fy));
+            // A sample of the larger frequencies will do.
+            if !(from..to).contains(&length) || (length > 20.0 && (fx * 7 + fy) % 16 > 0) {
+                continue;
+            }
+            let (mut re, mut im) = (0.0, 0.0);
+            for (x, y) in (0..MASK_SIZE).flat_map(|y| (0..MASK_SIZE).map(move |x| (x, y))) {
+                let (sin, cos) = wave[((fx * x + fy * y) % MASK_SIZE) as usize];
+                (re, im) = (re + cos * value(x, y), im + sin * value(x, y));
+            }
+            sum += (re * re + im * im) / (PIXELS as f64 / 12.0);
+            frequencies += 1;
         }
+        sum / f64::from(frequencies)
+    }
+
+    #[test]
+    fn low_frequencies_have_little_power() {
+        for (from, to, most) in [(1.0, 8.0, 1e-4), (8.0, 16.0, 1e-3), (16.0, 32.0, 0.02)] {
+            let power = power(from, to);
+            assert!(power < most, "{from} to {to}: {power:e}");
+        }
+        assert!(power(40.0, 64.0) > 0.8);
     }
 }

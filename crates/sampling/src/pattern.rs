@@ -37,6 +37,8 @@ pub enum Pattern {
     PoissonDisk,
     /// Each the farthest of several from all before: [`blue_noise::best_candidate`].
     BestCandidate,
+    /// Stratified, and assigned across pixels: [`sampler::mitchell`]. As points, those of one pixel on a light.
+    Mitchell,
     /// Sobol points, shifted for each pixel by a blue-noise mask: [`sampler::blue_noise_dithered`]. As points, those of
     /// one pixel.
     BlueNoiseDithered,
@@ -44,7 +46,7 @@ pub enum Pattern {
 
 impl Pattern {
     /// Every pattern.
-    pub const ALL: [Pattern; 11] = [
+    pub const ALL: [Pattern; 12] = [
         Pattern::Independent,
         Pattern::Grid,
         Pattern::Jittered,
@@ -55,6 +57,7 @@ impl Pattern {
         Pattern::Sobol,
         Pattern::PoissonDisk,
         Pattern::BestCandidate,
+        Pattern::Mitchell,
         Pattern::BlueNoiseDithered,
     ];
 
@@ -71,6 +74,7 @@ impl Pattern {
             Pattern::Sobol => "sobol",
             Pattern::PoissonDisk => "poisson-disk",
             Pattern::BestCandidate => "best-candidate",
+            Pattern::Mitchell => "mitchell",
             Pattern::BlueNoiseDithered => "blue-noise-dithered",
         }
     }
@@ -88,7 +92,7 @@ impl Pattern {
             Pattern::Sobol => sobol::sobol(count, seed),
             Pattern::PoissonDisk => blue_noise::poisson_disk(count, seed).points,
             Pattern::BestCandidate => blue_noise::best_candidate(count, seed),
-            Pattern::BlueNoiseDithered => self.points_of_a_pixel(count, seed),
+            Pattern::Mitchell | Pattern::BlueNoiseDithered => self.points_of_a_pixel(count, seed),
         }
     }
 
@@ -105,6 +109,7 @@ impl Pattern {
             Pattern::Sobol => sampler::sobol,
             Pattern::PoissonDisk => sampler::poisson_disk,
             Pattern::BestCandidate => sampler::best_candidate,
+            Pattern::Mitchell => sampler::mitchell,
             Pattern::BlueNoiseDithered => sampler::blue_noise_dithered,
         }
     }

@@ -1,5 +1,6 @@
 //! Sobol points dithered by a blue-noise mask over the screen.
 
+use super::NO_PIXEL;
 use crate::{
     mask::mask_bits,
     sobol::Index,
@@ -29,9 +30,6 @@ struct Dithered {
     index: Index,
     pixel: Option<UVec2>,
 }
-
-/// A pixel that no image has, for what all of them share.
-const NO_PIXEL: u32 = u32::MAX;
 
 impl Dithered {
     /// What the mask adds to the two numbers of an address.

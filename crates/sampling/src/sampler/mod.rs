@@ -11,6 +11,7 @@
 //!   another of the same size. If the number is unknown, patterns of 16, 16, 32, 64, 128, ... points follow each other,
 //!   so that every power of two from 16 on is made of whole ones.
 
+mod distributed;
 mod dithered;
 mod halton;
 mod sobol;
@@ -19,6 +20,7 @@ mod stratified;
 mod tests;
 mod tiled;
 
+pub use distributed::mitchell;
 pub use dithered::blue_noise_dithered;
 pub use halton::halton;
 pub use sobol::sobol;
@@ -54,6 +56,9 @@ impl Block {
         Block { start, count: start }
     }
 }
+
+/// A pixel that no image has, for what all pixels share.
+const NO_PIXEL: u32 = u32::MAX;
 
 /// A seed for which samplers with other plans have other numbers.
 fn seed_of(seed: u64, planned: u32) -> u64 {

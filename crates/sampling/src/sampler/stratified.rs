@@ -1,6 +1,6 @@
 //! Patterns of one point a stratum.
 
-use super::{Block, seed_of};
+use super::{Block, NO_PIXEL, seed_of};
 use crate::{
     layout::Layout,
     permutation::permute_by,
@@ -59,9 +59,6 @@ struct Stratified {
     /// The sample's number in the block.
     index: u32,
 }
-
-/// A pixel that no image has, for what all of them share.
-const NO_PIXEL: u32 = u32::MAX;
 
 impl Stratified {
     fn boxed(kind: Kind, seed: u64, planned: u32) -> Box<dyn Sampler> {
