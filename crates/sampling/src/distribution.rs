@@ -207,7 +207,6 @@ mod tests {
                     together += square((0..16).map(|i| pixel(x + i % 4, y + i / 4)).fold((0.0, 0.0), add)) / 16.0;
                 }
                 let share = together / alone;
-                eprintln!("{count} {parameter}: {share}");
                 assert!(share < most, "{count} {parameter}: {share}");
             }
         }

@@ -67,3 +67,46 @@ impl Sampler for Dithered {
         position([point[0].wrapping_add(shift[0]), point[1].wrapping_add(shift[1])])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: u32 = 64;
+
+    /// Variance over all squares of 8 by 8 pixels of the mean of an image, over that of independent pixels.
+    fn share_of_low_frequencies(image: &[f64]) -> f64 {
+        let mean = image.iter().sum::<f64>() / image.len() as f64;
+        let variance = |values: &[f64]| values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
+        let square = |at: u32| -> f64 {
+            let (x, y) = (at % (SIZE - 7), at / (SIZE - 7));
+            (0..64).map(|i| image[((y + i / 8) * SIZE + x + i % 8) as usize]).sum::<f64>() / 64.0
+        };
+        let squares: Vec<f64> = (0..(SIZE - 7).pow(2)).map(square).collect();
+        variance(&squares) * 64.0 / variance(image)
+    }
+
+    #[test]
+    fn the_error_is_blue_over_the_screen() {
+        // Smooth functions and one with an edge, at a sample a pixel and at four.
+        let integrands: [fn(Vec2) -> f64; 3] =
+            [|p| p.x.into(), |p| f64::from(p.x * p.y), |p| f64::from(u8::from(p.x + 0.5 * p.y < 0.8))];
+        for integrand in integrands {
+            for (samples, most) in [(1, 0.5), (4, 0.9)] {
+                for seed in 0..3 {
+                    let mut sampler = blue_noise_dithered(seed, samples);
+                    let mut pixel = |i: u32| -> f64 {
+                        let value = |sample| {
+                            sampler.start_pixel(UVec2::new(i % SIZE, i / SIZE), SIZE, sample);
+                            integrand(sampler.get_2d(1, Purpose::LightPoint))
+                        };
+                        (0..samples).map(value).sum::<f64>() / f64::from(samples)
+                    };
+                    let image: Vec<f64> = (0..SIZE * SIZE).map(&mut pixel).collect();
+                    let share = share_of_low_frequencies(&image);
+                    assert!(share < most, "{samples} samples, seed {seed}: {share}");
+                }
+            }
+        }
+    }
+}

@@ -14,7 +14,6 @@ use glam::Vec2;
 ///
 /// Film, lens, and what a walk from the camera takes at its first four vertices are the 32 dimensions of one sequence:
 /// they are well distributed together, not only each by itself. All others are padded with its first two dimensions.
-/// Needs no planned number.
 pub fn halton(seed: u64, planned: u32) -> Box<dyn Sampler> {
     Box::new(Halton { words: Independent::new(seed), planned, sample: 0, index: Index::new(0, planned) })
 }

@@ -9,18 +9,19 @@ use glam::Vec2;
 
 /// Numbers and pairs from Owen-scrambled Sobol sequences, each scrambled and shuffled by its address [Burley 2020].
 ///
-/// Best at powers of two; needs no planned number.
+/// Best at powers of two, of which each from 16 on holds one sample in each box of its area. If fewer than 16 samples are
+/// planned, smaller powers do as well.
 ///
 /// ```
 /// use etendue_core::sampler::Purpose;
 /// let mut sampler = etendue_sampling::sampler::sobol(1, 0);
-/// let quarters: Vec<u32> = (0..4)
+/// let parts: Vec<u32> = (0..16)
 ///     .map(|sample| {
 ///         sampler.start_sample(1000, sample);
-///         (sampler.get_1d(2, Purpose::Lobe) * 4.0) as u32
+///         (sampler.get_1d(2, Purpose::Lobe) * 16.0) as u32
 ///     })
 ///     .collect();
-/// assert!((0..4).all(|quarter| quarters.contains(&quarter)));
+/// assert!((0..16).all(|part| parts.contains(&part)));
 /// ```
 pub fn sobol(seed: u64, planned: u32) -> Box<dyn Sampler> {
     Box::new(Sobol { words: Independent::new(seed), planned, index: Index::new(0, planned) })
