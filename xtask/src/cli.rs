@@ -137,7 +137,7 @@ pub struct RenderArgs {
     /// A setting of the technique (`cargo xtask techniques` lists them)
     #[arg(long = "knob", value_name = "NAME=VALUE")]
     pub knobs: Vec<String>,
-    /// Random numbers
+    /// Random numbers; all but `independent`, `halton` and `sobol` plan for the number of passes, if it is given
     #[arg(long, default_value = "independent", value_name = "NAME")]
     pub sampler: String,
     /// The OpenEXR file to write [default: the scene's name, in the current folder]
@@ -226,7 +226,10 @@ pub struct StudyArgs {
     /// Techniques
     #[arg(long, value_delimiter = ',', value_name = "NAME,..", default_value = "path")]
     pub techniques: Vec<String>,
-    /// Time of each cell (a scene with a technique and a seed), building included
+    /// Random numbers; every technique runs with each of them
+    #[arg(long, alias = "sampler", value_delimiter = ',', value_name = "NAME,..", default_value = "independent")]
+    pub samplers: Vec<String>,
+    /// Time of each cell (a scene with a technique, a sampler and a seed), building included
     #[arg(long, default_value_t = 3.0, value_name = "S", value_parser = positive_seconds)]
     pub seconds: f64,
     /// Cells with different seeds; the bands in the report are over them

@@ -40,8 +40,9 @@ impl Independent {
         sampler
     }
 
+    /// 64 bits for an address, of which the numbers are the upper ones of either half: the source of other samplers.
     #[inline]
-    fn word(&self, vertex: u32, purpose: Purpose) -> u64 {
+    pub fn word(&self, vertex: u32, purpose: Purpose) -> u64 {
         let address = u64::from(vertex) * PURPOSES + purpose as u64 + 1;
         mix(self.base.wrapping_add(address.wrapping_mul(GOLDEN)))
     }
@@ -75,7 +76,7 @@ pub fn independent(seed: u64, _planned: u32) -> Box<dyn Sampler> {
 
 /// The upper 24 bits as a number in `[0, 1)`: all that an `f32` resolves near 1, so that nothing rounds to 1.
 #[inline]
-fn unit(bits: u32) -> f32 {
+pub fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
 }
 

@@ -1,6 +1,6 @@
 //! Random numbers, addressed by where they are used.
 
-use glam::Vec2;
+use glam::{UVec2, Vec2};
 
 /// What a number is used for at a path vertex.
 ///
@@ -46,6 +46,15 @@ pub enum Purpose {
 pub trait Sampler: Send {
     /// Moves to sample `sample` of pixel (or light path) `index`.
     fn start_sample(&mut self, index: u32, sample: u32);
+
+    /// Moves to sample `sample` of a pixel of an image that is `width` pixels wide.
+    ///
+    /// The same as [`start_sample`](Sampler::start_sample) with the pixel's number in scanline order, except for
+    /// samplers that relate neighbouring pixels' numbers.
+    #[inline]
+    fn start_pixel(&mut self, pixel: UVec2, width: u32, sample: u32) {
+        self.start_sample(pixel.y * width + pixel.x, sample);
+    }
 
     /// One number in `[0, 1)`.
     fn get_1d(&mut self, vertex: u32, purpose: Purpose) -> f32;

@@ -135,7 +135,7 @@ impl PathTracer {
             pass,
             || (settings.sampler)(seed, settings.planned_passes),
             |sampler, pixel, statistics| {
-                sampler.start_sample(pixel.y * width + pixel.x, pass);
+                sampler.start_pixel(pixel, width, pass);
                 let rays = &mut statistics.rays;
                 radiance::pixel_sample::<HAS, RESAMPLED>(
                     scene,

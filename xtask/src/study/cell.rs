@@ -51,8 +51,9 @@ const CLOSE: f64 = 1.25;
 pub fn run(plan: &Plan, mut progress: impl FnMut(f64)) -> Result<Option<Finished>, Error> {
     reset_peak_memory();
     let seed = derive_seed(plan.group.seed, u64::from(plan.replicate));
-    let planned = if let End::Passes(n) = plan.end { n } else { 0 };
-    let mut engine = plan.job.build(plan.group.threads, planned)?;
+    // No number of passes is planned, even where it is known: a sampler that plans for it would do its best at the end
+    // alone, but there is a checkpoint at every power of two, and the replicates must be alike.
+    let mut engine = plan.job.build(plan.group.threads, 0)?;
     let mut checkpoints = Vec::new();
     for pass in 0..u32::MAX {
         if interrupt::asked() {

@@ -39,7 +39,7 @@ struct StudyReport {
     summary: Vec<report::SummaryRow>,
 }
 
-/// A scene with a technique, what it is compared with, and under which key.
+/// A scene with a technique and a sampler, what it is compared with, and under which key.
 struct Entry {
     job: Job,
     group: Group,
@@ -93,7 +93,8 @@ pub fn run(args: &StudyArgs) -> Result<(), Error> {
                 end: end_of(&results, &entry.group, args.seconds),
                 reference: &found[entry.reference].reference.picture,
             };
-            let label = format!("{} by {}, replicate {replicate}", entry.job.key.scene, entry.job.key.technique);
+            let key = &entry.job.key;
+            let label = format!("{} by {}, {}, replicate {replicate}", key.scene, key.technique, key.sampler);
             let show = |share: f64| progress.show((begun as f64 + share) / total as f64, label.clone());
             let Some(finished) = cell::run(&plan, show)? else { break 'cells };
             keep(&mut results, &images, &entry.group, replicate, finished)?;
@@ -123,8 +124,8 @@ pub fn run(args: &StudyArgs) -> Result<(), Error> {
 /// Everything that can be wrong with what is asked for, before anything is written.
 fn load_jobs(args: &StudyArgs) -> Result<Vec<Job>, Error> {
     let scenes = scene_list(&args.scenes);
-    if scenes.is_empty() || args.techniques.is_empty() {
-        return Err(Error::Input("a study needs a scene and a technique".into()));
+    if scenes.is_empty() || args.techniques.is_empty() || args.samplers.is_empty() {
+        return Err(Error::Input("a study needs a scene, a technique and a sampler".into()));
     }
     let mut size = args.image.size;
     if let Some(path) = &args.reference {
@@ -133,17 +134,18 @@ fn load_jobs(args: &StudyArgs) -> Result<Vec<Job>, Error> {
         }
         size = size.or(Some(Size::Exact(Reference::read(path)?.picture.size)));
     }
-    let wish = |technique: &String| Wish {
+    let wish = |technique: &String, sampler: &String| Wish {
         technique: technique.clone(),
         knobs: vec![],
-        sampler: "independent".into(),
+        sampler: sampler.clone(),
         parts: vec![],
         size: size.or(Some(DEFAULT_SIZE)),
         depth: args.image.depth,
         load: args.load.into(),
     };
-    let pairs = scenes.iter().flat_map(|s| args.techniques.iter().map(move |t| (s, t)));
-    pairs.map(|(s, t)| Job::load(s, &wish(t))).collect()
+    let with_samplers = |technique| args.samplers.iter().map(move |sampler| wish(technique, sampler));
+    let wishes: Vec<Wish> = args.techniques.iter().flat_map(with_samplers).collect();
+    scenes.iter().flat_map(|s| wishes.iter().map(move |w| Job::load(s, w))).collect()
 }
 
 fn create(folder: &Path) -> Result<(), Error> {
