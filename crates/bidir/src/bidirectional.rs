@@ -3,13 +3,13 @@
 use crate::{
     particle::particles,
     strategies::{Event, Paths},
+    variants::specialise,
     weights::Heuristic,
 };
 use etendue_core::{
     film::Film,
     rgb::Rgb,
     scene::Scene,
-    specialise,
     statistics::render::RenderStatistics,
     technique::{Bias, Knob, Parts, Settings, Technique, TechniqueInfo},
 };

@@ -1,6 +1,9 @@
 //! Light tracing.
 
-use crate::particle::{Particle, connects, particles, see};
+use crate::{
+    particle::{Particle, connects, particles, see},
+    variants::specialise,
+};
 use etendue_core::{
     film::{Film, Splats},
     filter::Filter,
@@ -8,7 +11,6 @@ use etendue_core::{
     rgb::Rgb,
     sampler::{Purpose, Sampler},
     scene::Scene,
-    specialise,
     statistics::render::{Rays, RenderStatistics},
     technique::{Bias, Part, Parts, Settings, Technique, TechniqueInfo},
     walk::{Vertex, Walk},

@@ -84,7 +84,13 @@ pub struct Paths<'a> {
 
 impl<'a> Paths<'a> {
     /// For a film of `pixels` pixels, each of which gets one pair of paths a pass.
-    pub fn new(scene: &'a Scene, settings: &'a Settings, heuristic: Heuristic, filter: Filter, pixels: u32) -> Paths<'a> {
+    pub fn new(
+        scene: &'a Scene,
+        settings: &'a Settings,
+        heuristic: Heuristic,
+        filter: Filter,
+        pixels: u32,
+    ) -> Paths<'a> {
         Paths { scene, settings, heuristic, filter, particles: pixels as f32, light: Vec::new() }
     }
 

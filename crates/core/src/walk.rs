@@ -376,9 +376,7 @@ impl SurfaceVertex {
     fn pdf_reverse_tilted<const HAS: u32>(&self, tilt: &Tilt, wi: Vec3, mode: TransportMode) -> f32 {
         let turned_round = SurfaceVertex { wo: wi, ..*self };
         match mode {
-            TransportMode::Radiance => {
-                turned_round.eval_pdf_tilted::<HAS>(tilt, self.wo, TransportMode::Importance).1
-            }
+            TransportMode::Radiance => turned_round.eval_pdf_tilted::<HAS>(tilt, self.wo, TransportMode::Importance).1,
             TransportMode::Importance => {
                 let seen = turned_round.seen_with::<HAS>(tilt.seen_from(wi));
                 seen.eval_pdf::<HAS>(self.wo, TransportMode::Radiance).1
