@@ -1,9 +1,8 @@
 //! Absorption inside objects, against Beer's law.
 
 use etendue_core::{filter::Filter, material::Material, rgb::Rgb, scene::*, statistics::moments::Moments};
-use etendue_tests::{Run, limit, small::*};
+use etendue_tests::{Run, aiming, limit, small::*};
 use glam::{DAffine3, DVec3};
-use xtask::techniques::TECHNIQUES;
 
 /// What each metre absorbs; green not at all.
 const ABSORPTION: Rgb = Rgb::new(0.7, 0.0, 2.5);
@@ -28,7 +27,7 @@ fn glass(eye: DVec3, target: DVec3, objects: Vec<Object>) -> SceneDescription {
 
 /// Every technique's mean over the image is `expected`, within its own standard error.
 fn shows(name: &str, scene: &SceneDescription, expected: [f64; 3]) {
-    for technique in TECHNIQUES {
+    for technique in aiming() {
         let run = Run::of(scene, Filter::Box, 8);
         let mut means = [0; 3].map(|_| Moments::default());
         for seed in 0..12 {

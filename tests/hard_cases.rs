@@ -283,7 +283,7 @@ fn a_light_that_touches_a_surface() {
 fn a_lamp_among_many_dark_triangles() {
     // A hundred thousand triangles that emit nothing change no number: they are never chosen.
     let lamp = |radiance| emitting(rectangle("lamp", DVec3::Y, DVec3::NEG_Y, (0.5, 0.5), 1), radiance);
-    let mut crowded = lit_floor(1e-3, vec![lamp(2.0)]);
+    let mut crowded = lit_floor(0.5, vec![lamp(2.0)]);
     let grid: Vec<Vec3> = (0..100_000u32)
         .flat_map(|i| {
             let corner = Vec3::new((i % 300) as f32 * 0.01, 5.0, (i / 300) as f32 * 0.01);
@@ -293,7 +293,7 @@ fn a_lamp_among_many_dark_triangles() {
     let triangles = (0..100_000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let mesh = Mesh { positions: grid, triangles, ..Mesh::default() };
     crowded.objects.push(emitting(object("dark", ObjectShape::Mesh(mesh), DAffine3::IDENTITY, 1), 0.0));
-    same_image(&lit_floor(1e-3, vec![lamp(2.0)]), &named("a lamp among dark triangles", crowded), 16);
+    same_image(&lit_floor(0.5, vec![lamp(2.0)]), &named("a lamp among dark triangles", crowded), 16);
 }
 
 /// A latitude-longitude sky of one colour with one texel of another.
@@ -336,8 +336,8 @@ fn a_sun_of_one_texel_and_poles() {
 fn delta_lights_beside_area_lights() {
     let area = emitting(rectangle("light", DVec3::Y, DVec3::NEG_Y, (0.2, 0.2), 1), 3.0);
     let point = DeltaLight::Point { position: DVec3::new(0.3, 1.0, 0.0), intensity: Rgb::splat(0.7) };
-    let (one, other) = (lit_floor(1e-3, vec![area.clone()]), delta_lit_floor(1e-3, point));
-    let mut both = lit_floor(1e-3, vec![area]);
+    let (one, other) = (lit_floor(0.5, vec![area.clone()]), delta_lit_floor(0.5, point));
+    let mut both = lit_floor(0.5, vec![area]);
     both.lights = other.lights.clone();
     for technique in TECHNIQUES {
         let mut difference = Moments::default();

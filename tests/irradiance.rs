@@ -7,14 +7,13 @@ use etendue_core::{
     statistics::moments::Moments,
     texture::{Bitmap, Interpolation, Texture, Wrap},
 };
-use etendue_tests::{Run, limit, small::*};
+use etendue_tests::{Run, aiming, limit, small::*};
 use glam::{Affine2, DAffine3, DVec3, Mat2, Vec2};
 use std::{f64::consts::PI, sync::Arc};
-use xtask::techniques::TECHNIQUES;
 
 /// Every technique's mean over a spot of the floor is `0.5 / pi` times `irradiance`, within its own standard error.
 fn shows(name: &str, scene: &SceneDescription, irradiance: f64) {
-    for technique in TECHNIQUES {
+    for technique in aiming() {
         let run = Run::of(scene, Filter::Box, 2);
         let mut means = Moments::default();
         for seed in 0..16 {

@@ -39,6 +39,11 @@ pub fn limit(replicates: u64) -> f64 {
     student_t_quantile(1.0 - 3.167e-5, (replicates - 1) as f64)
 }
 
+/// The techniques that find a spot or a lobe however small: all but light tracing, whose particles land there by chance alone.
+pub fn aiming() -> impl Iterator<Item = &'static TechniqueInfo> {
+    xtask::techniques::TECHNIQUES.iter().copied().filter(|t| t.name != etendue_bidir::LIGHT.name)
+}
+
 /// A scene at work with a technique.
 pub struct Run {
     /// The scene.

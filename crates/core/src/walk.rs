@@ -91,6 +91,19 @@ pub enum Vertex {
     Escaped(EscapedVertex),
 }
 
+/// How a walk goes on from a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Continuation {
+    /// Unit direction, world space.
+    pub wi: Vec3,
+    /// Density per steradian with which it was sampled, roulette not included; a probability for a delta lobe.
+    pub pdf_w: f32,
+    /// Whether it was sampled from a delta lobe.
+    pub delta: bool,
+    /// Index of refraction on the side of `wi` over that on the side of `wo`.
+    pub eta: f32,
+}
+
 /// A walk through a scene whose features are `HAS` (bits of [`crate::has`]).
 pub struct Walk<'a, const HAS: u32> {
     scene: &'a Scene,
@@ -194,6 +207,12 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
         }
     }
 
+    /// Edges so far.
+    #[inline]
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+
     /// Whether the greatest depth is reached: no further edge may be added.
     #[inline]
     pub fn is_exhausted(&self) -> bool {
@@ -204,8 +223,14 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
     /// is absorbed, has reached its greatest depth, or Russian roulette takes it.
     #[inline]
     pub fn scatter(&mut self, vertex: &SurfaceVertex, sampler: &mut dyn Sampler) -> bool {
+        self.go_on(vertex, sampler).is_some()
+    }
+
+    /// [`Walk::scatter`], telling how the path goes on.
+    #[inline]
+    pub fn go_on(&mut self, vertex: &SurfaceVertex, sampler: &mut dyn Sampler) -> Option<Continuation> {
         if self.is_exhausted() {
-            return false;
+            return None;
         }
         let (lobe, direction, roulette) = match self.mode {
             TransportMode::Radiance => (Purpose::Lobe, Purpose::Direction, Purpose::Roulette),
@@ -218,10 +243,10 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             || HAS & has::TEXTURES != 0 && vertex.tilt.is_some() && self.mode == TransportMode::Importance;
         let u_lobe = if choose { sampler.get_1d(self.depth, lobe) } else { 0.0 };
         let u = sampler.get_2d(self.depth, direction);
-        let Some((wi, sample, correction)) = vertex.sample::<HAS>(u_lobe, u, self.mode) else { return false };
+        let (wi, sample, correction) = vertex.sample::<HAS>(u_lobe, u, self.mode)?;
         self.beta = self.beta * sample.weight * correction;
         if self.beta.is_black() {
-            return false;
+            return None;
         }
         if HAS & has::LOBES != 0 && self.mode == TransportMode::Radiance {
             self.eta *= sample.eta;
@@ -231,7 +256,7 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             // [PBRT-4, sec. 14.5.4]
             let survival = (self.beta.max_element() * self.eta * self.eta).min(MOST_SURVIVAL);
             if sampler.get_1d(self.depth, roulette) >= survival {
-                return false;
+                return None;
             }
             self.beta *= 1.0 / survival;
         }
@@ -241,7 +266,7 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
         self.pdf_w = sample.pdf_w;
         self.from = vertex.surface.p;
         self.ray = spawn_ray(&vertex.surface, wi);
-        true
+        Some(Continuation { wi, pdf_w: sample.pdf_w, delta: sample.delta, eta: sample.eta })
     }
 }
 
@@ -298,6 +323,18 @@ impl SurfaceVertex {
         let (f, pdf_w) = self.bsdf.eval_pdf::<HAS>(self.wo_local, wi_local, mode);
         (f * (wi_local.z.abs() * self.correction(wi, wi_local, mode)), pdf_w)
     }
+
+    /// The density per steradian with which a walk the other way, that comes from the world direction `wi`, samples `wo`.
+    /// `mode` is that of this walk; delta lobes count nothing.
+    #[inline]
+    pub fn pdf_reverse<const HAS: u32>(&self, wi: Vec3, mode: TransportMode) -> f32 {
+        if HAS & has::TEXTURES != 0
+            && let Some(tilt) = &self.tilt
+        {
+            return self.pdf_reverse_tilted::<HAS>(tilt, wi, mode);
+        }
+        self.bsdf.eval_pdf::<HAS>(self.frame.to_local(wi), self.wo_local, mode).1
+    }
 }
 
 /// Share of samples that a path from a light takes with a relief turned: who looks at it, and so with which normal it is
@@ -331,6 +368,18 @@ impl SurfaceVertex {
                     }
                 }
                 (value, density)
+            }
+        }
+    }
+
+    /// [`SurfaceVertex::pdf_reverse`].
+    fn pdf_reverse_tilted<const HAS: u32>(&self, tilt: &Tilt, wi: Vec3, mode: TransportMode) -> f32 {
+        let turned_round = SurfaceVertex { wo: wi, ..*self };
+        match mode {
+            TransportMode::Radiance => turned_round.eval_pdf_tilted::<HAS>(tilt, self.wo, TransportMode::Importance).1,
+            TransportMode::Importance => {
+                let seen = turned_round.seen_with::<HAS>(tilt.seen_from(wi));
+                seen.eval_pdf::<HAS>(self.wo, TransportMode::Radiance).1
             }
         }
     }

@@ -1,0 +1,389 @@
+//! All strategies of one camera path and one light path.
+
+use crate::{
+    densities::{Departure, Joint, camera_pdf_a, direct_end, emitted_end, escaped_end, hit_end},
+    particle::{Particle, connects, part, see},
+    weights::{Heuristic, Prefix},
+};
+use etendue_core::{
+    bsdf::TransportMode,
+    filter::Filter,
+    geometry::offset::{shadow_ray, spawn_ray},
+    has,
+    lights::{DirectSample, EmissionSample},
+    rgb::Rgb,
+    sampler::{Purpose, Sampler},
+    scene::Scene,
+    statistics::render::Rays,
+    technique::{Part, Settings},
+    walk::{Continuation, EscapedVertex, SurfaceVertex, Vertex, Walk},
+};
+use glam::{UVec2, Vec2, Vec3};
+
+/// What happens while the two paths of a pixel are walked and joined. Who only wants an image listens to
+/// [`Event::Contribution`]; the rest is for whoever looks into single paths.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// A walk leaves a light.
+    Emission(&'a EmissionSample),
+    /// A walk reaches a surface.
+    Vertex(Side, &'a SurfaceVertex),
+    /// It goes on from there.
+    Step(Side, &'a Continuation),
+    /// A strategy has made a path that carries light.
+    Contribution(Contribution<'a>),
+}
+
+/// The end of a path that a walk starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// A light.
+    Light,
+    /// The camera.
+    Camera,
+}
+
+/// What a strategy contributes. The path has `s + t - 1` edges.
+#[derive(Clone, Copy, Debug)]
+pub struct Contribution<'a> {
+    /// Vertices made from the light, the one on the light included.
+    pub s: u32,
+    /// Vertices made from the camera, the one on the lens included.
+    pub t: u32,
+    /// The part of the light that the path belongs to.
+    pub part: Part,
+    /// Its contribution if no other strategy made such paths.
+    pub value: Rgb,
+    /// Its share among all strategies, in `[0, 1]`.
+    pub weight: f32,
+    /// Where on the film it falls, for `t = 1`; the others belong to the pixel.
+    pub film: Option<Vec2>,
+    /// The sampled light, for `s = 1`.
+    pub light: Option<&'a DirectSample>,
+    /// The sampled point of the lens, for `t = 1`.
+    pub lens: Option<Vec3>,
+}
+
+/// A vertex of a light path that others are connected to.
+#[derive(Clone, Copy, Debug)]
+struct LightVertex {
+    vertex: SurfaceVertex,
+    prefix: Prefix,
+    part: Part,
+}
+
+/// Walks pairs of paths through one scene; holds the vertices of a light path, in memory that is used again for the next.
+pub struct Paths<'a> {
+    scene: &'a Scene,
+    settings: &'a Settings,
+    heuristic: Heuristic,
+    filter: Filter,
+    particles: f32,
+    light: Vec<LightVertex>,
+}
+
+impl<'a> Paths<'a> {
+    /// For a film of `pixels` pixels, each of which gets one pair of paths a pass.
+    pub fn new(
+        scene: &'a Scene,
+        settings: &'a Settings,
+        heuristic: Heuristic,
+        filter: Filter,
+        pixels: u32,
+    ) -> Paths<'a> {
+        Paths { scene, settings, heuristic, filter, particles: pixels as f32, light: Vec::new() }
+    }
+
+    /// Walks a path from a light and one from the camera through a pixel, joins them in every way, and tells `tell`.
+    /// Contributions of parts of the light that are not to be rendered are left out.
+    #[inline]
+    pub fn sample<const HAS: u32>(
+        &mut self,
+        pixel: UVec2,
+        sampler: &mut dyn Sampler,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        self.walk_from_light::<HAS>(sampler, rays, tell);
+        self.walk_from_camera::<HAS>(pixel, sampler, rays, tell);
+    }
+
+    /// Walks from a light, remembers the vertices that can be connected, and connects each to the lens (`t = 1`).
+    #[inline]
+    fn walk_from_light<const HAS: u32>(
+        &mut self,
+        sampler: &mut dyn Sampler,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        self.light.clear();
+        let (scene, settings, heuristic) = (self.scene, self.settings, self.heuristic);
+        let Some(mut particle) = Particle::<HAS>::emit(scene, settings, sampler) else { return };
+        tell(Event::Emission(&particle.start));
+        let mut before: Option<(Prefix, Departure)> = None;
+        while let Some(vertex) = particle.trace(rays) {
+            tell(Event::Vertex(Side::Light, &vertex));
+            let prefix = match &before {
+                None => Prefix::from_light(heuristic, &emitted_end(scene.lights(), &particle.start, &vertex)),
+                Some((prefix, departure)) => departure.arrive(heuristic, prefix, &vertex),
+            };
+            if connects::<HAS>(&vertex) {
+                let part = particle.part(&vertex, 0);
+                if settings.parts.contains(part) {
+                    self.see::<HAS>(&vertex, &prefix, part, sampler, rays, tell);
+                }
+                self.light.push(LightVertex { part: particle.part(&vertex, 1), vertex, prefix });
+            }
+            let Some(step) = particle.walk.go_on(&vertex, sampler) else { return };
+            tell(Event::Step(Side::Light, &step));
+            let departure = Departure::new::<HAS>(heuristic, &prefix, &vertex, &step, TransportMode::Importance);
+            before = Some((prefix, departure));
+        }
+    }
+
+    /// `t = 1`: the vertex of a light path as the camera sees it.
+    #[inline]
+    fn see<const HAS: u32>(
+        &self,
+        vertex: &SurfaceVertex,
+        prefix: &Prefix,
+        part: Part,
+        sampler: &mut dyn Sampler,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        let margin = self.filter.radius();
+        let Some(seen) = see::<HAS>(self.scene, vertex, self.particles, margin, sampler, rays) else { return };
+        let (camera, h) = (&seen.camera, self.heuristic);
+        let reverse = vertex.pdf_reverse::<HAS>(camera.wi, TransportMode::Importance);
+        let found = camera_pdf_a(Some(camera), self.particles, camera.wi, vertex.surface.ng);
+        let weight = h.joined(h.term(found) * prefix.leave(h, f64::from(reverse), false));
+        tell(Event::Contribution(Contribution {
+            s: vertex.depth + 1,
+            t: 1,
+            part,
+            value: seen.value,
+            weight: weight as f32,
+            film: Some(camera.film),
+            light: None,
+            lens: Some(camera.target),
+        }));
+    }
+
+    /// Walks from the camera; each vertex may be a light (`s = 0`), is lit by a light (`s = 1`), and is connected to all
+    /// vertices of the light path.
+    #[inline]
+    fn walk_from_camera<const HAS: u32>(
+        &self,
+        pixel: UVec2,
+        sampler: &mut dyn Sampler,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        let (scene, heuristic) = (self.scene, self.heuristic);
+        // The position follows the filter's own density, so that every path counts alike [Ernst et al. 2006].
+        let film = pixel.as_vec2() + 0.5 + self.filter.sample(sampler.get_2d(0, Purpose::Film));
+        let lens = if scene.census().lens { sampler.get_2d(0, Purpose::Lens) } else { Vec2::ZERO };
+        let mut walk = Walk::<HAS>::from_camera(scene, self.settings.limits(), film, lens);
+        let mut before: Option<(Prefix, Departure, Vec3)> = None;
+        loop {
+            let vertex = match walk.trace(rays) {
+                Vertex::Surface(vertex) => vertex,
+                Vertex::Escaped(end) => {
+                    if HAS & has::INFINITE != 0 {
+                        self.escaped(&end, walk.depth(), before.as_ref(), tell);
+                    }
+                    return;
+                }
+            };
+            tell(Event::Vertex(Side::Camera, &vertex));
+            if let Some(element) = scene.element(&vertex.surface) {
+                self.hit::<HAS>(&vertex, element, before.as_ref(), tell);
+            }
+            let prefix = match &before {
+                None => {
+                    let camera = scene.camera().sample_direct(vertex.surface.p, lens);
+                    let found = camera_pdf_a(camera.as_ref(), self.particles, vertex.wo, vertex.surface.ng);
+                    Prefix::from_camera(heuristic, found)
+                }
+                Some((prefix, departure, _)) => departure.arrive(heuristic, prefix, &vertex),
+            };
+            if !walk.is_exhausted() && connects::<HAS>(&vertex) {
+                self.next_event::<HAS>(&vertex, &prefix, sampler, rays, tell);
+                for light in &self.light {
+                    self.connect::<HAS>(light, &vertex, &prefix, rays, tell);
+                }
+            }
+            let Some(step) = walk.go_on(&vertex, sampler) else { return };
+            tell(Event::Step(Side::Camera, &step));
+            let departure = Departure::new::<HAS>(heuristic, &prefix, &vertex, &step, TransportMode::Radiance);
+            before = Some((prefix, departure, vertex.surface.ng));
+        }
+    }
+
+    /// `s = 0`: the path runs into an area light.
+    #[inline]
+    fn hit<const HAS: u32>(
+        &self,
+        vertex: &SurfaceVertex,
+        element: u32,
+        before: Option<&(Prefix, Departure, Vec3)>,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        let lights = self.scene.lights();
+        let part = part(vertex.history.rough, vertex.history.last_delta, false);
+        let radiance = lights.emitted::<HAS>(element, &vertex.surface, vertex.wo);
+        if radiance.is_black() || !self.settings.parts.contains(part) {
+            return;
+        }
+        let weight = before.map_or(1.0, |(_, departure, ng)| {
+            let end = hit_end(lights, element, vertex, *ng);
+            self.heuristic.hit(&end, departure.pdf_w, departure.delta, departure.left)
+        });
+        tell(Event::Contribution(Contribution {
+            s: 0,
+            t: vertex.depth + 1,
+            part,
+            value: vertex.beta * radiance,
+            weight: weight as f32,
+            film: None,
+            light: None,
+            lens: None,
+        }));
+    }
+
+    /// `s = 0`: the path leaves the scene for the environment.
+    #[inline]
+    fn escaped(
+        &self,
+        end: &EscapedVertex,
+        depth: u32,
+        before: Option<&(Prefix, Departure, Vec3)>,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        let lights = self.scene.lights();
+        let part = part(end.history.rough, end.history.last_delta, true);
+        let Some(element) = lights.environment_element().filter(|_| self.settings.parts.contains(part)) else { return };
+        let radiance = lights.environment_radiance(end.direction);
+        if radiance.is_black() {
+            return;
+        }
+        let weight = before.map_or(1.0, |(_, departure, ng)| {
+            let light = escaped_end(lights, element, end, *ng);
+            self.heuristic.hit(&light, departure.pdf_w, departure.delta, departure.left)
+        });
+        tell(Event::Contribution(Contribution {
+            s: 0,
+            t: depth + 1,
+            part,
+            value: end.beta * radiance,
+            weight: weight as f32,
+            film: None,
+            light: None,
+            lens: None,
+        }));
+    }
+
+    /// `s = 1`: next-event estimation.
+    #[inline]
+    fn next_event<const HAS: u32>(
+        &self,
+        vertex: &SurfaceVertex,
+        prefix: &Prefix,
+        sampler: &mut dyn Sampler,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        let (scene, heuristic, surface) = (self.scene, self.heuristic, &vertex.surface);
+        let u_choice = sampler.get_1d(vertex.depth, Purpose::LightChoice);
+        let u = sampler.get_2d(vertex.depth, Purpose::LightPoint);
+        let Some(light) = scene.lights().sample_direct::<HAS>(surface.p, u_choice, u) else { return };
+        let part = part(vertex.history.rough + 1, false, light.infinite && !light.delta);
+        if !self.settings.parts.contains(part) {
+            return;
+        }
+        let (f_cos, pdf_w) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
+        if f_cos.is_black() || light.radiance.is_black() {
+            return;
+        }
+        let ray = if light.infinite {
+            spawn_ray(surface, light.wi)
+        } else {
+            shadow_ray(surface, light.target, light.target_error, light.target_normal)
+        };
+        rays.shadow += 1;
+        if scene.occluded::<HAS>(&ray) {
+            return;
+        }
+        let mut value = vertex.beta * f_cos * light.radiance * (1.0 / light.pdf_w);
+        if HAS & has::MEDIA != 0 {
+            let distance = if light.infinite { f32::INFINITY } else { light.target.distance(surface.p) };
+            value *= vertex.transmittance::<HAS>(scene, light.wi, distance);
+        }
+        let reverse = vertex.pdf_reverse::<HAS>(light.wi, TransportMode::Radiance);
+        let left = prefix.leave(heuristic, f64::from(reverse), false);
+        let weight = heuristic.next_event(&direct_end(scene.lights(), &light, vertex), f64::from(pdf_w), left);
+        tell(Event::Contribution(Contribution {
+            s: 1,
+            t: vertex.depth + 1,
+            part,
+            value,
+            weight: weight as f32,
+            film: None,
+            light: Some(&light),
+            lens: None,
+        }));
+    }
+
+    /// `s >= 2`, `t >= 2`: a vertex of the light path seen from one of the camera path.
+    #[inline]
+    fn connect<const HAS: u32>(
+        &self,
+        light: &LightVertex,
+        camera: &SurfaceVertex,
+        prefix: &Prefix,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        let (scene, y, z) = (self.scene, &light.vertex, camera);
+        let part = light.part;
+        let edges = y.depth.saturating_add(z.depth).saturating_add(1);
+        if edges > self.settings.max_depth || !self.settings.parts.contains(part) {
+            return;
+        }
+        let to = y.surface.p - z.surface.p;
+        let d2 = to.length_squared();
+        if !d2.is_normal() {
+            return;
+        }
+        let wi = to / d2.sqrt();
+        let (z_f_cos, camera_pdf_w) = z.eval_pdf::<HAS>(wi, TransportMode::Radiance);
+        if z_f_cos.is_black() {
+            return;
+        }
+        let (y_f_cos, light_pdf_w) = y.eval_pdf::<HAS>(-wi, TransportMode::Importance);
+        if y_f_cos.is_black() {
+            return;
+        }
+        rays.shadow += 1;
+        if scene.occluded::<HAS>(&shadow_ray(&z.surface, y.surface.p, y.surface.p_error, y.surface.ng)) {
+            return;
+        }
+        // [Veach 1997, eq. 10.8]
+        let mut value = z.beta * z_f_cos * y.beta * y_f_cos * (1.0 / d2);
+        if HAS & has::MEDIA != 0 {
+            value *= z.transmittance::<HAS>(scene, wi, d2.sqrt());
+        }
+        let joint = Joint { light: (y, &light.prefix), camera: (z, prefix), wi, light_pdf_w, camera_pdf_w };
+        tell(Event::Contribution(Contribution {
+            s: y.depth + 1,
+            t: z.depth + 1,
+            part,
+            value,
+            weight: joint.weight::<HAS>(self.heuristic) as f32,
+            film: None,
+            light: None,
+            lens: None,
+        }));
+    }
+}
