@@ -14,8 +14,8 @@ import numpy
 
 SCENES = {
     "cornell-box/scene.xml": 1024,
-    "veach-mis/scene.xml": 1024,
-    "veach-bidir/scene.xml": 4096,
+    "veach-mis/scene.xml": 65536,
+    "veach-bidir/scene.xml": 16384,
     "staircase/scene.xml": 1024,
     "living-room/scene.xml": 2048,
     "classroom/scene.xml": 2048,

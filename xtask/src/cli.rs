@@ -137,7 +137,7 @@ pub struct RenderArgs {
     /// A setting of the technique (`cargo xtask techniques` lists them)
     #[arg(long = "knob", value_name = "NAME=VALUE")]
     pub knobs: Vec<String>,
-    /// Random numbers; all but `independent`, `halton` and `sobol` plan for the number of passes, if it is given
+    /// Random numbers; all but `independent` plan for the number of passes, if it is given
     #[arg(long, default_value = "independent", value_name = "NAME")]
     pub sampler: String,
     /// The OpenEXR file to write [default: the scene's name, in the current folder]

@@ -30,20 +30,25 @@ impl Parts {
     /// Parts narrower than `2^-24` may hold no such number; the first above is then taken, the last one of all at most.
     #[inline]
     pub(crate) fn place(self, from: u32, to: u32, random: u32) -> f32 {
-        let (from, to) = (self.boundary(from), self.boundary(to));
-        let steps = (u64::from(random) * u64::from(to - from)) >> 32;
-        (from + steps as u32).min(SIZE - 1) as f32 * (1.0 / SIZE as f32)
+        between(self.boundary(from), self.boundary(to), random)
     }
 
     /// The first multiple of `2^-24` that is not below `part / count`.
     #[inline]
-    fn boundary(self, part: u32) -> u32 {
+    pub(crate) fn boundary(self, part: u32) -> u32 {
         // The product is at most one off the quotient; the exact remainder says where.
         let near = (f64::from(part) * self.steps) as i64;
         let count = i64::from(self.count);
         let remainder = (i64::from(part) << 24) - near * count;
         (near + i64::from(remainder > 0) - i64::from(remainder <= -count)) as u32
     }
+}
+
+/// As [`Parts::place`] from one boundary to another.
+#[inline]
+pub(crate) fn between(from: u32, to: u32, random: u32) -> f32 {
+    let steps = (u64::from(random) * u64::from(to - from)) >> 32;
+    (from + steps as u32).min(SIZE - 1) as f32 * (1.0 / SIZE as f32)
 }
 
 /// As [`Parts::place`] for part `part` of `count`.

@@ -1,6 +1,9 @@
 //! Strata of equal area in the unit square, for any number of them.
 
-use crate::{lattice::Parts, permutation::permute_by};
+use crate::{
+    lattice::{Parts, between},
+    permutation::permute_by,
+};
 use etendue_core::digest::mix;
 use glam::Vec2;
 
@@ -97,6 +100,26 @@ impl Layout {
         )
     }
 
+    /// A point of every rectangle in order, as by [`place`](Layout::place).
+    pub(crate) fn place_all(&self, random: impl Fn(u32) -> [u32; 2]) -> Vec<Vec2> {
+        let mut points = Vec::with_capacity(self.count as usize);
+        let mut left = 0;
+        for column in 0..self.columns {
+            let rows = if column < self.tall { self.tall_rows } else { self.rows };
+            let before = points.len() as u32;
+            let right = self.all.boundary(before + rows.count());
+            let mut top = 0;
+            for row in 0..rows.count() {
+                let bottom = rows.boundary(row + 1);
+                let [x, y] = random(before + row);
+                points.push(Vec2::new(between(left, right, x), between(top, bottom, y)));
+                top = bottom;
+            }
+            left = right;
+        }
+        points
+    }
+
     /// A number of the `index`-th of as many equal parts of `[0, 1)` as there are rectangles.
     #[inline]
     pub(crate) fn place_1d(&self, index: u32, random: u32) -> f32 {
@@ -129,6 +152,7 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stratified::jitter;
     use proptest::prelude::*;
 
     #[test]
@@ -151,6 +175,14 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn all_points_are_those_of_the_rectangles(count in 0..3000_u32, key: u64) {
+            let layout = Layout::new(count);
+            let random = |index| jitter(key, index);
+            let one_by_one: Vec<Vec2> = (0..count).map(|s| layout.place(s, random(s))).collect();
+            prop_assert_eq!(layout.place_all(random), one_by_one);
+        }
+
         #[test]
         fn rectangles_tile_the_square(count in 1..5000_u32) {
             let layout = Layout::new(count);

@@ -37,13 +37,25 @@ struct Crowd {
     taken: Vec<bool>,
     density: Vec<f32>,
     gaussian: Vec<f32>,
+    voids: Extremes,
+    clusters: Extremes,
 }
+
+/// The pixel of each row that is crowded least or most, `None` where it is to be found again.
+type Extremes = Vec<Option<Option<usize>>>;
 
 impl Crowd {
     fn new() -> Crowd {
         let along = |d: u32| (-(d as f32).powi(2) / (2.0 * SIGMA * SIGMA)).exp();
         let gaussian = (0..=2 * REACH).map(|d| along(d.abs_diff(REACH))).collect();
-        Crowd { taken: vec![false; PIXELS], density: vec![0.0; PIXELS], gaussian }
+        let unknown = vec![None; MASK_SIZE as usize];
+        Crowd {
+            taken: vec![false; PIXELS],
+            density: vec![0.0; PIXELS],
+            gaussian,
+            voids: unknown.clone(),
+            clusters: unknown,
+        }
     }
 
     /// Takes a pixel or gives it back.
@@ -52,30 +64,36 @@ impl Crowd {
         let sign = if taken { 1.0 } else { -1.0 };
         let (x, y) = (pixel as u32 % MASK_SIZE, pixel as u32 / MASK_SIZE);
         for (dy, wy) in (0..).zip(&self.gaussian) {
-            let row = (y + MASK_SIZE + dy - REACH) % MASK_SIZE * MASK_SIZE;
+            let row = (y + MASK_SIZE + dy - REACH) % MASK_SIZE;
+            (self.voids[row as usize], self.clusters[row as usize]) = (None, None);
             for (dx, wx) in (0..).zip(&self.gaussian) {
                 let column = (x + MASK_SIZE + dx - REACH) % MASK_SIZE;
-                self.density[(row + column) as usize] += sign * wx * wy;
+                self.density[(row * MASK_SIZE + column) as usize] += sign * wx * wy;
             }
         }
     }
 
     /// The free pixel that is crowded least.
-    fn void(&self) -> usize {
-        self.extreme(false, |a, b| a < b)
+    fn void(&mut self) -> usize {
+        extreme(&mut self.voids, |i| if self.taken[i] { f32::NEG_INFINITY } else { -self.density[i] })
     }
 
     /// The taken pixel that is crowded most.
-    fn cluster(&self) -> usize {
-        self.extreme(true, |a, b| a > b)
+    fn cluster(&mut self) -> usize {
+        extreme(&mut self.clusters, |i| if self.taken[i] { self.density[i] } else { f32::NEG_INFINITY })
     }
+}
 
-    #[inline]
-    fn extreme(&self, taken: bool, better: impl Fn(f32, f32) -> bool) -> usize {
-        let mut pixels = (0..PIXELS).filter(|&i| self.taken[i] == taken);
-        let first = pixels.next().expect("there are such pixels");
-        pixels.fold(first, |best, i| if better(self.density[i], self.density[best]) { i } else { best })
-    }
+/// The pixel of largest value, the first of them; one at least must be finite.
+fn extreme(rows: &mut Extremes, value: impl Fn(usize) -> f32) -> usize {
+    let largest = |pixels: &mut dyn Iterator<Item = usize>| {
+        pixels.fold((None, f32::NEG_INFINITY), |best, i| if value(i) > best.1 { (Some(i), value(i)) } else { best }).0
+    };
+    let size = MASK_SIZE as usize;
+    let of_row = |(row, known): (usize, &mut Option<Option<usize>>)| {
+        *known.get_or_insert_with(|| largest(&mut (row * size..(row + 1) * size)))
+    };
+    largest(&mut rows.iter_mut().enumerate().filter_map(of_row)).expect("there is such a pixel")
 }
 
 fn void_and_cluster() -> Vec<u16> {

@@ -24,23 +24,22 @@ pub(crate) fn halves(word: u64) -> [u32; 2] {
 /// The middles of `count` strata of equal area: a regular grid where `count` has the factors for it. [`Layout`] says
 /// what happens to other numbers, here and in the patterns below. Nothing of it is random.
 pub fn grid(count: u32) -> Vec<Vec2> {
-    let layout = Layout::new(count);
-    (0..count).map(|s| layout.place(s, MIDDLE)).collect()
+    Layout::new(count).place_all(|_| MIDDLE)
 }
 
 /// One random point in each of `count` strata of equal area [Cook et al. 1984; Mitchell 1996].
 ///
 /// The variance falls as `N^-2` on smooth integrands of the square and as `N^-3/2` on edges. Order: column by column.
 pub fn jittered(count: u32, seed: u64) -> Vec<Vec2> {
-    let (layout, key) = (Layout::new(count), mix(seed ^ 0x3c79_ac49_2ba7_b653));
-    (0..count).map(|s| layout.place(s, jitter(key, s))).collect()
+    let key = mix(seed ^ 0x3c79_ac49_2ba7_b653);
+    Layout::new(count).place_all(|s| jitter(key, s))
 }
 
 /// The same random offset in each of `count` strata of equal area: a grid that is shifted as a whole
 /// [Ramamoorthi et al. 2012, sec. 3.3].
 pub fn uniform_jitter(count: u32, seed: u64) -> Vec<Vec2> {
-    let (layout, offset) = (Layout::new(count), halves(mix(seed ^ 0x1c69_b3f7_4ac4_ae35)));
-    (0..count).map(|s| layout.place(s, offset)).collect()
+    let offset = halves(mix(seed ^ 0x1c69_b3f7_4ac4_ae35));
+    Layout::new(count).place_all(|_| offset)
 }
 
 /// One random point in each of `count` strata, and also in each of `count` columns and of `count` rows

@@ -3,7 +3,7 @@
 use super::{Block, seed_of};
 use crate::{
     blue_noise::{best_candidate_places, poisson_disk_places},
-    lattice,
+    lattice::Parts,
     permutation::permute_by,
     stratified::jitter,
     torus::{Place, position},
@@ -42,6 +42,8 @@ struct Tiled {
     words: Independent,
     /// Where the block is in the pattern.
     block: Block,
+    /// A part for each sample of the block.
+    parts: Parts,
     /// The sample's number in the block.
     index: u32,
 }
@@ -49,7 +51,8 @@ struct Tiled {
 impl Tiled {
     fn new(points: &'static [Place], seed: u64, planned: u32) -> Tiled {
         let words = Independent::new(seed_of(seed, planned));
-        Tiled { points, planned, words, block: Block::of(0, planned.min(LENGTH)), index: 0 }
+        let block = Block::of(0, planned.min(LENGTH));
+        Tiled { points, planned, words, block, parts: Parts::new(block.count), index: 0 }
     }
 }
 
@@ -61,6 +64,9 @@ impl Sampler for Tiled {
         let in_pattern = sample % length;
         self.words.start_sample(index, sample - in_pattern);
         self.block = Block::of(in_pattern, self.planned.min(LENGTH));
+        if self.block.count != self.parts.count() {
+            self.parts = Parts::new(self.block.count);
+        }
         self.index = in_pattern - self.block.start;
     }
 
@@ -69,7 +75,7 @@ impl Sampler for Tiled {
         // Each block has strata of its own.
         let key = mix(self.words.word(vertex, purpose).wrapping_add(self.block.start.into()));
         let part = permute_by(self.index, self.block.count, key);
-        lattice::place(part, self.block.count, jitter(key, part)[0])
+        self.parts.place(part, part + 1, jitter(key, part)[0])
     }
 
     #[inline]
