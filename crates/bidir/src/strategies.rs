@@ -387,3 +387,57 @@ impl<'a> Paths<'a> {
         }));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etendue_core::{camera::*, geometry::Mesh, independent::independent, material::Material, scene::*};
+    use glam::DAffine3;
+
+    #[test]
+    fn light_paths_are_kept_in_memory_that_is_used_again() {
+        // The inside of a tetrahedron that shines.
+        let positions =
+            vec![Vec3::new(-3.0, -1.0, -2.0), Vec3::new(3.0, -1.0, -2.0), Vec3::new(0.0, -1.0, 3.0), Vec3::Y * 3.0];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let description = SceneDescription {
+            camera: Some(CameraDescription {
+                projection: Projection::Perspective { fov_x: 1.0 },
+                to_world: DAffine3::IDENTITY,
+                resolution: UVec2::ONE,
+                crop: None,
+            }),
+            materials: vec![NamedMaterial {
+                name: "grey".into(),
+                material: Material::lambert(Rgb::splat(0.7)),
+                two_sided: true,
+            }],
+            objects: vec![Object {
+                name: "room".into(),
+                shape: ObjectShape::Mesh(Mesh { positions, triangles, ..Mesh::default() }),
+                to_world: DAffine3::IDENTITY,
+                material: 0,
+                emission: Some(Rgb::WHITE.into()),
+                absorption: None,
+            }],
+            ..SceneDescription::default()
+        };
+        let scene = Scene::new(&description).expect("a valid scene");
+        let settings = Settings::new(10, independent);
+        let mut paths = Paths::new(&scene, &settings, Heuristic::Balance, Filter::Box, 1);
+        let (mut sampler, mut rays) = (independent(1, 0), Rays::default());
+        let mut contributions = 0;
+        let mut memory = None;
+        for sample in 0..2000 {
+            sampler.start_sample(0, sample);
+            paths.sample::<0>(UVec2::ZERO, &mut *sampler, &mut rays, &mut |event| {
+                contributions += u32::from(matches!(event, Event::Contribution(_)));
+            });
+            if sample == 1000 {
+                memory = Some((paths.light.as_ptr(), paths.light.capacity()));
+            }
+        }
+        assert!(contributions > 20_000, "{contributions}");
+        assert_eq!(memory, Some((paths.light.as_ptr(), paths.light.capacity())));
+    }
+}

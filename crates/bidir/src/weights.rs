@@ -201,3 +201,150 @@ impl Prefix {
         Prefix { pdf_a, favour: self.favour, connected, earlier: heuristic.term(back) * left }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The densities of a path of `n` surfaces, `x_1` to `x_n`.
+    #[derive(Clone, Debug)]
+    struct Chain {
+        end: LightEnd,
+        /// Density per steradian of the light from `x_1`.
+        to_light: f64,
+        surfaces: Vec<Surface>,
+    }
+
+    /// A surface and the way to the next one.
+    #[derive(Clone, Copy, Debug)]
+    struct Surface {
+        delta: bool,
+        /// Densities per steradian of the next surface from here, and of this one from there.
+        onward: f64,
+        back: f64,
+        /// What turns them into ones per square metre. The last surface's are those of the camera.
+        there: f64,
+        here: f64,
+    }
+
+    impl Chain {
+        /// The density of each strategy, multiplied together.
+        fn densities(&self) -> Vec<f64> {
+            let n = self.surfaces.len();
+            (0..=n + 1)
+                .map(|s| {
+                    let joined = match s {
+                        0 => true,
+                        1 => !self.surfaces[0].delta,
+                        s => !self.surfaces[s - 2].delta && (s > n || !self.surfaces[s - 1].delta),
+                    };
+                    let first = [self.to_light * self.end.hit, self.end.direct, self.end.emitted][s.min(2)];
+                    let light = (1..n).filter(|i| i + 1 < s).map(|i| {
+                        let before = &self.surfaces[i - 1];
+                        before.onward * before.there
+                    });
+                    let camera = (0..n).filter(|i| i + 1 >= s).map(|i| self.surfaces[i].back * self.surfaces[i].here);
+                    let onward = if s > 1 { self.end.onward } else { 1.0 };
+                    f64::from(joined) * first * onward * light.product::<f64>() * camera.product::<f64>()
+                })
+                .collect()
+        }
+
+        /// The weight of each strategy, as walks sum it up.
+        fn recursive(&self, h: Heuristic) -> Vec<f64> {
+            let n = self.surfaces.len();
+            // From surface i back: to the surface before, or to the light.
+            let back = |i: usize| if i == 0 { self.to_light } else { self.surfaces[i - 1].back };
+            // From surface i onward by the light's walk; that the camera is connected has no density of its own.
+            let onward = |i: usize| self.surfaces[i].onward;
+            let mut light = vec![Prefix::from_light(h, &self.end)];
+            for i in 1..n {
+                let s = &self.surfaces[i - 1];
+                let left = light[i - 1].leave(h, back(i - 1), s.delta);
+                light.push(light[i - 1].next(h, left, s.delta, s.here, s.onward * s.there));
+            }
+            let last = &self.surfaces[n - 1];
+            let mut camera = vec![Prefix::from_camera(h, last.back * last.here)];
+            for i in (0..n - 1).rev() {
+                let (s, before) = (&self.surfaces[i], &self.surfaces[i + 1]);
+                let left = camera[0].leave(h, onward(i + 1), before.delta);
+                camera.insert(0, camera[0].next(h, left, before.delta, s.there, s.back * s.here));
+            }
+            (0..=n + 1)
+                .map(|s| match s {
+                    0 => {
+                        let first = &self.surfaces[0];
+                        h.hit(&self.end, self.to_light, first.delta, camera[0].leave(h, onward(0), first.delta))
+                    }
+                    1 if !self.surfaces[0].delta => {
+                        h.next_event(&self.end, self.to_light, camera[0].leave(h, onward(0), false))
+                    }
+                    s if s == n + 1 && !last.delta => {
+                        h.joined(h.term(last.back * last.here) * light[n - 1].leave(h, back(n - 1), false))
+                    }
+                    s if (2..=n).contains(&s) && !self.surfaces[s - 2].delta && !self.surfaces[s - 1].delta => {
+                        let (y, z) = (&self.surfaces[s - 2], s - 1);
+                        let y_left = light[s - 2].leave(h, back(s - 2), false);
+                        h.connected(y_left, y.back * y.here, camera[z].leave(h, onward(z), false), y.onward * y.there)
+                    }
+                    _ => 0.0,
+                })
+                .collect()
+        }
+    }
+
+    fn density() -> impl Strategy<Value = f64> {
+        (-12.0..12.0f64).prop_map(|e| 10f64.powf(e))
+    }
+
+    fn chain() -> impl Strategy<Value = Chain> {
+        let surface = (any::<bool>(), density(), density(), density(), density())
+            .prop_map(|(delta, onward, back, there, here)| Surface { delta, onward, back, there, here });
+        let end = (density(), density(), density(), prop_oneof![density(), Just(0.0)])
+            .prop_map(|(direct, emitted, onward, hit)| LightEnd { direct, emitted, onward, hit });
+        (end, density(), prop::collection::vec(surface, 1..9)).prop_map(|(end, to_light, surfaces)| Chain {
+            end,
+            to_light,
+            surfaces,
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn recursive_weights_are_those_of_all_densities(chain in chain()) {
+            let p = chain.densities();
+            let largest = p.iter().copied().fold(0.0, f64::max);
+            prop_assume!(largest > 0.0);
+            let p: Vec<f64> = p.iter().map(|p| p / largest).collect();
+            for h in [Heuristic::Balance, Heuristic::Power] {
+                let total: f64 = p.iter().map(|p| h.term(*p)).sum();
+                let weights = chain.recursive(h);
+                for (s, (weight, p)) in weights.iter().zip(&p).enumerate() {
+                    // No walk ever makes a path by a strategy that cannot make it.
+                    if *p > 0.0 {
+                        prop_assert!((weight - h.term(*p) / total).abs() < 1e-9, "{h:?} {s}: {weights:?} {p:?}");
+                    }
+                }
+            }
+            let weights = chain.recursive(Heuristic::Maximum);
+            let chosen: Vec<f64> = weights.iter().zip(&p).filter(|(w, p)| **w == 1.0 && **p > 0.0).map(|(_, p)| *p).collect();
+            // Ties within a thousandth a vertex are broken one way.
+            prop_assert!(chosen.len() == 1 && chosen[0] > 0.98, "{weights:?} {p:?}");
+        }
+    }
+
+    #[test]
+    fn ties_are_broken_one_way() {
+        // All strategies have the same density, up to rounding.
+        let third = 1.0 / 3.0;
+        let surface = Surface { delta: false, onward: third, back: third, there: 3.0, here: 3.0 };
+        let end = LightEnd { direct: third, emitted: third, onward: 1.0, hit: 1.0 };
+        let chain = Chain { end, to_light: third, surfaces: vec![surface; 6] };
+        let weights = chain.recursive(Heuristic::Maximum);
+        assert_eq!(weights, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        for h in [Heuristic::Balance, Heuristic::Power] {
+            assert!(chain.recursive(h).iter().all(|w| (w - 0.125).abs() < 1e-12));
+        }
+    }
+}
