@@ -1,7 +1,5 @@
 //! Reliefs: the frames and values of Mitsuba, and paths from lights that find what paths from the camera do.
 
-#![expect(clippy::approx_constant, reason = "a figure of the table happens to be near pi")]
-
 mod sampling;
 
 use etendue_core::{
