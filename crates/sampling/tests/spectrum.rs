@@ -5,7 +5,7 @@ use etendue_core::{
     sampler::{Purpose, Sampler},
     statistics::moments::Moments,
 };
-use etendue_sampling::spectrum::Spectrum;
+use etendue_sampling::{pattern::Pattern, spectrum::Spectrum};
 use glam::Vec2;
 use std::f64::consts::{PI, TAU};
 
@@ -122,4 +122,28 @@ fn nothing_has_no_power() {
     let mut constant = Spectrum::new(0);
     constant.add(&independent(7, 0));
     assert_eq!((constant.image(), constant.rings(), constant.mean_below(9.0)), (vec![7.0], vec![], 0.0));
+}
+
+/// Every pattern of 256 points, against white noise: below half of the frequency at which a regular grid has its first
+/// power, and over directions.
+#[test]
+fn blue_noise_has_little_at_low_frequencies_and_no_direction() {
+    let (count, realisations) = (256, 40);
+    let of = |pattern: Pattern| mean_of(realisations, 40, |r| pattern.points(count, 100 + u64::from(r)));
+    // What the directions of a ring differ by, in decibels: -10 log10(realisations) without any.
+    let anisotropy = |spectrum: &Spectrum| {
+        let rings = spectrum.rings();
+        rings[4..].iter().map(|r| r.anisotropy_db()).sum::<f64>() / (rings.len() - 4) as f64
+    };
+    let isotropic = -10.0 * f64::from(realisations).log10();
+    for (pattern, share) in [(Pattern::PoissonDisk, 0.15), (Pattern::BestCandidate, 0.2)] {
+        let spectrum = of(pattern);
+        let (low, directions) = (spectrum.mean_below(8.0), anisotropy(&spectrum));
+        assert!(low < share, "{}: {low} of white noise's energy", pattern.name());
+        assert!(directions < isotropic + 1.0, "{}: {directions} dB", pattern.name());
+    }
+    let (white, jittered) = (of(Pattern::Independent), of(Pattern::MultiJittered));
+    assert!((white.mean_below(8.0) - 1.0).abs() < 0.1, "{}", white.mean_below(8.0));
+    assert!((anisotropy(&white) - isotropic).abs() < 1.0, "{} dB", anisotropy(&white));
+    assert!(anisotropy(&jittered) > isotropic + 2.0, "{} dB", anisotropy(&jittered));
 }
