@@ -1,6 +1,6 @@
 //! How fast the variance of patterns falls, against theory.
 //!
-//! The points of a logarithmic plot scatter by the trials alone where a law holds exactly. The intervals are of 99.9 %.
+//! The points of a logarithmic plot scatter by the trials alone where a law holds exactly. The intervals are of 99 %.
 
 use etendue_core::statistics::{
     moments::Moments,
@@ -44,22 +44,26 @@ fn squared_errors(pattern: Pattern, integrand: Integrand, count: u32, trials: u6
     all_squared_errors(pattern, [integrand], count, trials)[0]
 }
 
-fn slope(pattern: Pattern, integrand: Integrand, counts: &[u32], trials: u64) -> Slope {
-    let points: Vec<(f64, f64)> =
-        counts.iter().map(|&n| (n.into(), squared_errors(pattern, integrand, n, trials).mean())).collect();
-    fit(&points, 0.999).unwrap()
+/// Slopes of the variance on integrands.
+fn slopes<const K: usize>(pattern: Pattern, integrands: [Integrand; K], counts: &[u32], trials: u64) -> [Slope; K] {
+    let levels: Vec<[Moments; K]> =
+        counts.iter().map(|&n| all_squared_errors(pattern, integrands, n, trials)).collect();
+    std::array::from_fn(|k| {
+        let points: Vec<(f64, f64)> = counts.iter().zip(&levels).map(|(&n, l)| (n.into(), l[k].mean())).collect();
+        fit(&points, 0.99).unwrap()
+    })
 }
 
 fn assert_holds(pattern: Pattern, integrand: Integrand, found: Slope, theory: f64) {
     let (name, on) = (pattern.name(), integrand.name());
     assert!((found.slope - theory).abs() <= found.half_width, "{name} on {on}: {found:?} does not hold {theory}");
-    assert!(found.half_width < 0.3, "{name} on {on}: {found:?} says nothing");
+    assert!(found.half_width < 0.15, "{name} on {on}: {found:?} says nothing");
 }
 
 #[test]
 fn independent_points_fall_as_one_over_their_number() {
-    for integrand in PLANAR {
-        let found = slope(Pattern::Independent, integrand, &[4, 16, 64, 256, 1024], 4000);
+    let found = slopes(Pattern::Independent, PLANAR, &[4, 8, 16, 32, 64, 128, 256, 512], 3000);
+    for (integrand, found) in PLANAR.into_iter().zip(found) {
         assert_holds(Pattern::Independent, integrand, found, -1.0);
     }
 }
@@ -68,15 +72,17 @@ fn independent_points_fall_as_one_over_their_number() {
 /// smooth integrand all do, in proportion to their side squared: `N N^-1 / N^2`.
 #[test]
 fn jittered_points_fall_as_an_edge_or_a_smooth_integrand_lets_them() {
-    let counts = [64, 256, 1024, 4096];
-    for (integrand, theory) in [
+    let laws = [
         (Integrand::Edge, -1.5),
         (Integrand::Corner, -1.5),
         (Integrand::Disk, -1.5),
         (Integrand::Smooth2, -2.0),
         (Integrand::Gaussian, -2.0),
-    ] {
-        let found = slope(Pattern::Jittered, integrand, &counts, 2000);
+    ];
+    // Squares, whose strata are squares.
+    let counts = [64, 100, 196, 324, 576, 1024, 1600, 2500];
+    let found = slopes(Pattern::Jittered, laws.map(|law| law.0), &counts, 1500);
+    for ((integrand, theory), found) in laws.into_iter().zip(found) {
         assert_holds(Pattern::Jittered, integrand, found, theory);
     }
 }
@@ -84,21 +90,23 @@ fn jittered_points_fall_as_an_edge_or_a_smooth_integrand_lets_them() {
 /// `N^-3` up to a logarithm for each further dimension [Owen 1997].
 #[test]
 fn scrambled_sobol_points_fall_nearly_with_the_cube() {
-    let counts = [64, 256, 1024, 4096];
-    let line = slope(Pattern::Sobol, Integrand::Smooth1, &counts, 2000);
+    let counts = [32, 64, 128, 256, 512, 1024, 2048, 4096];
+    let integrands = [Integrand::Smooth1, Integrand::Smooth2, Integrand::Edge];
+    let [line, square, edge] = slopes(Pattern::Sobol, integrands, &counts, 1000);
     assert_holds(Pattern::Sobol, Integrand::Smooth1, line, -3.0);
-    let square = slope(Pattern::Sobol, Integrand::Smooth2, &counts, 1000);
-    assert!((square.slope + 3.0).abs() < 0.25 && square.slope + square.half_width < -2.5, "{square:?}");
-    // An edge leaves them no more than a little ahead of jittered points.
-    let edge = slope(Pattern::Sobol, Integrand::Edge, &counts, 1000);
-    assert!(edge.slope + edge.half_width < -1.2 && edge.slope - edge.half_width > -2.0, "{edge:?}");
+    let beyond = |found: Slope, low: f64, high: f64| {
+        assert!(found.slope - found.half_width > low && found.slope + found.half_width < high, "{found:?}");
+    };
+    beyond(square, -3.1, -2.6);
+    // An edge leaves them what it leaves jittered points.
+    beyond(edge, -1.7, -1.35);
 }
 
 #[test]
 fn best_candidates_start_lower_and_fall_as_independent_points_in_the_end() {
     let integrands = [Integrand::Smooth2, Integrand::Gaussian, Integrand::Edge];
     let at = |count, trials| all_squared_errors(Pattern::BestCandidate, integrands, count, trials).map(|m| m.mean());
-    let (first, second, third) = (at(64, 2000), at(256, 600), at(1024, 100));
+    let (first, second, third) = (at(64, 2000), at(256, 600), at(1024, 60));
     for (k, integrand) in integrands.into_iter().enumerate() {
         let one = squared_errors(Pattern::Independent, integrand, 1, 40_000).mean();
         let name = integrand.name();
