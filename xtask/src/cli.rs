@@ -27,6 +27,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Make the stored references.
     Reference(ReferenceArgs),
+    /// Measure what sample patterns buy: variance, spectra, images, resampling.
+    Sampling(SamplingArgs),
     /// Describe a scene: what is in it, what it costs to load and to hold, which effects it has.
     Scene(SceneArgs),
     /// List the built-in scenes and their parameters.
@@ -289,6 +291,36 @@ pub struct ReferenceArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `sampling`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask sampling                              (within two minutes)
+  cargo xtask sampling --trials 10000 --seed 1 --out study/sampling-1
+  cargo xtask sampling --trials 32 --most 256       (a quick look)
+  open study/sampling/report.html
+
+Writes report.html, which needs nothing else, results.json with all figures, and the pictures patterns.png and slopes.svg.")]
+pub struct SamplingArgs {
+    /// Folder of the results; it is made if it is not there
+    #[arg(long, default_value = "study/sampling", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Trials that a variance is measured over; fewer where a trial has many samples
+    #[arg(long, default_value_t = 1024, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    pub trials: u32,
+    /// The most samples of a trial, which go up in powers of four
+    #[arg(long, default_value_t = 65_536, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=1 << 24))]
+    pub most: u32,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// Threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print the slopes as JSON
     #[arg(long)]
     pub json: bool,
 }

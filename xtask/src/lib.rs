@@ -23,6 +23,7 @@ pub mod reference;
 pub mod render;
 pub mod report;
 pub mod samplers;
+pub mod sampling;
 pub mod scene;
 pub mod study;
 pub mod techniques;

@@ -11,6 +11,7 @@ fn main() -> ExitCode {
         Command::Merge(args) => xtask::merge::run(&args),
         Command::Compare(args) => xtask::compare::run(&args),
         Command::Reference(args) => xtask::reference::run(&args),
+        Command::Sampling(args) => xtask::sampling::run(&args),
         Command::Scene(args) => xtask::scene::run(&args),
         Command::Scenes(args) => xtask::listing::scenes(&args),
         Command::Techniques(args) => xtask::listing::techniques(&args),

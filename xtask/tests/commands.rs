@@ -45,7 +45,9 @@ fn render(folder: &TempDir, more: &[&str]) -> serde_json::Value {
 fn every_command_helps() {
     let folder = folder();
     xtask(folder.path(), &["--help"]).success();
-    for command in ["study", "render", "merge", "compare", "reference", "scene", "scenes", "techniques", "check"] {
+    for command in
+        ["study", "render", "merge", "compare", "reference", "sampling", "scene", "scenes", "techniques", "check"]
+    {
         let output = xtask(folder.path(), &[command, "--help"]).success().get_output().stdout.clone();
         assert!(String::from_utf8(output).unwrap().contains("Examples:"), "{command}");
     }
@@ -305,4 +307,53 @@ fn comparison_gives_the_figures_and_names_what_is_no_number() {
     mask.save(folder.path().join("mask.png")).unwrap();
     let report = json(folder.path(), &["compare", "nan.exr", "b.exr", "--mask", "mask.png"]);
     assert_eq!((&report["pixels"], &report["mse"]), (&7.into(), &0.0.into()));
+}
+
+#[test]
+fn sampling_is_studied() {
+    let folder = folder();
+    let tiny = ["sampling", "--trials", "4", "--most", "16", "--out", "s"];
+    let summary = json(folder.path(), &tiny);
+    // Twelve patterns on nine integrands.
+    assert_eq!(summary["slopes"].as_array().unwrap().len(), 108);
+    let at = |name: &str| folder.path().join("s").join(name);
+    let page = fs::read_to_string(at("report.html")).unwrap();
+    assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n") && !page.contains("NaN"));
+    for pattern in etendue_sampling::pattern::Pattern::ALL {
+        assert!(page.contains(pattern.name()), "{}", pattern.name());
+    }
+    roxmltree::Document::parse(&fs::read_to_string(at("slopes.svg")).unwrap()).unwrap();
+    assert!(fs::read(at("patterns.png")).unwrap().starts_with(b"\x89PNG"));
+    let results = |name: &str| -> serde_json::Value { serde_json::from_slice(&fs::read(at(name)).unwrap()).unwrap() };
+    let first = results("results.json");
+    let figures = |v: &serde_json::Value| {
+        let mut v = v.clone();
+        v.as_object_mut().unwrap().remove("command");
+        v
+    };
+    // Whatever the number of threads.
+    let output = xtask(folder.path(), &[&tiny[..], &["--threads", "1"]].concat()).success().get_output().stdout.clone();
+    assert!(String::from_utf8(output).unwrap().contains("smooth-2d"));
+    assert_eq!(figures(&first), figures(&results("results.json")));
+    let left: Vec<_> = fs::read_dir(at("")).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 4, "{left:?}");
+}
+
+#[test]
+fn sampling_refuses_what_makes_no_sense() {
+    let folder = folder();
+    fs::write(folder.path().join("file"), b"").unwrap();
+    for arguments in [
+        ["--trials", "1"],
+        ["--trials", "many"],
+        ["--most", "3"],
+        ["--most", "-4"],
+        ["--seed", "x"],
+        ["--threads", "0"],
+        ["--out", "file"],
+    ] {
+        let arguments = [&["sampling"], &arguments[..]].concat();
+        assert!(!refusal(folder.path(), &arguments).is_empty());
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }

@@ -5,7 +5,7 @@ use etendue_core::{
     sampler::{Purpose, Sampler},
     statistics::moments::Moments,
 };
-use etendue_sampling::spectrum::Spectrum;
+use etendue_sampling::{pattern::Pattern, spectrum::Spectrum};
 use glam::Vec2;
 use std::f64::consts::{PI, TAU};
 
@@ -122,4 +122,32 @@ fn nothing_has_no_power() {
     let mut constant = Spectrum::new(0);
     constant.add(&independent(7, 0));
     assert_eq!((constant.image(), constant.rings(), constant.mean_below(9.0)), (vec![7.0], vec![], 0.0));
+}
+
+/// Every pattern of 256 points, against white noise: below half of the frequency at which a regular grid has its first
+/// power, and over directions.
+#[test]
+fn blue_noise_has_little_at_low_frequencies_and_no_direction() {
+    let (count, realisations) = (256, 40);
+    let of = |pattern: Pattern| mean_of(realisations, 40, |r| pattern.points(count, 100 + u64::from(r)));
+    // What the directions of a ring differ by, in decibels: -10 log10(realisations) without any. Below the frequency of
+    // a regular grid, 16, power rises so steeply that a ring is not of one power in any direction.
+    let anisotropy = |spectrum: &Spectrum| {
+        let rings = spectrum.rings();
+        let beyond = rings.iter().filter(|r| r.radius > 16).map(|r| r.anisotropy_db()).collect::<Moments>();
+        beyond.mean()
+    };
+    let isotropic = -10.0 * f64::from(realisations).log10();
+    // The radius of a Poisson disk pattern shrinks from the largest there is, so that its first points, and all where their
+    // number is a power of four, come near to a turned or straight grid.
+    for (pattern, share, excess) in [(Pattern::PoissonDisk, 0.1, 4.0), (Pattern::BestCandidate, 0.12, 1.0)] {
+        let spectrum = of(pattern);
+        let (low, directions) = (spectrum.mean_below(8.0), anisotropy(&spectrum));
+        assert!(low < share, "{}: {low} of white noise's energy", pattern.name());
+        assert!(directions < isotropic + excess, "{}: {directions} dB", pattern.name());
+    }
+    let (white, jittered) = (of(Pattern::Independent), of(Pattern::CorrelatedMultiJittered));
+    assert!((white.mean_below(8.0) - 1.0).abs() < 0.1, "{}", white.mean_below(8.0));
+    assert!((anisotropy(&white) - isotropic).abs() < 1.0, "{} dB", anisotropy(&white));
+    assert!(anisotropy(&jittered) > isotropic + 6.0, "{} dB", anisotropy(&jittered));
 }

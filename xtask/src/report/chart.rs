@@ -4,10 +4,11 @@ use crate::{
     clock::human_seconds,
     report::{
         analysis::Point,
-        text::{escape, number, superscript},
+        page::COLOURS,
+        plot::{Axis, Labels, PLOT, axes, opening, power_mark, put},
+        text::{escape, number},
     },
 };
-use std::fmt::Write;
 
 /// A curve.
 pub struct Curve<'a> {
@@ -29,50 +30,7 @@ pub struct Chart<'a> {
     pub targets: &'a [(f64, &'a str)],
 }
 
-const WIDTH: f64 = 760.0;
-const HEIGHT: f64 = 430.0;
-/// Left, right, top and bottom of the plot.
-const PLOT: (f64, f64, f64, f64) = (82.0, 704.0, 16.0, 382.0);
-
-/// A logarithmic axis: from values to pixels.
-struct Axis {
-    low: f64,
-    high: f64,
-    start: f64,
-    end: f64,
-}
-
-impl Axis {
-    /// An axis that shows all values, with a margin; of at least a decade.
-    fn of(values: impl Iterator<Item = f64>, start: f64, end: f64) -> Option<Axis> {
-        let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
-        let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        if low > high {
-            return None;
-        }
-        let margin = 0.06 * (high - low) + (1.0 - (high - low)).max(0.0) / 2.0;
-        Some(Axis { low: low - margin, high: high + margin, start, end })
-    }
-
-    fn at(&self, value: f64) -> f64 {
-        self.start + (value.log10() - self.low) / (self.high - self.low) * (self.end - self.start)
-    }
-
-    /// Values to mark: whole decades, and 2 and 5 between them where there is room.
-    fn marks(&self) -> Vec<f64> {
-        let multiples: &[f64] = if self.high - self.low < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-        let all = decades.flat_map(|d| multiples.iter().map(move |m| m * 10f64.powi(d)));
-        all.filter(|v| (self.low..=self.high).contains(&v.log10())).collect()
-    }
-}
-
-fn error_mark(value: f64) -> String {
-    let decade = (value.log10() + 1e-9).floor() as i32;
-    let multiple = (value / 10f64.powi(decade)).round();
-    let power = format!("10{}", superscript(decade));
-    if multiple == 1.0 { power } else { format!("{multiple:.0}·{power}") }
-}
+const LABELS: Labels = Labels { x: "seconds, building included", x_mark: time_mark, y: "relMSE", y_mark: power_mark };
 
 fn time_mark(value: f64) -> String {
     match value {
@@ -95,11 +53,8 @@ pub fn svg(chart: &Chart) -> String {
     let (Some(x), Some(y)) = (Axis::of(all().map(|p| p.seconds), left, right), y) else {
         return "<p class=\"none\">No checkpoint has an error above zero: there is nothing to draw.</p>".into();
     };
-    let mut s = format!(
-        "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">",
-        escape(chart.title)
-    );
-    axes(&mut s, &x, &y);
+    let mut s = opening(chart.title);
+    axes(&mut s, &x, &y, &LABELS);
     let shown = |v: f64| v > 0.0 && (y.low..=y.high).contains(&v.log10());
     for (value, name) in chart.targets.iter().filter(|t| shown(t.0)) {
         let at = y.at(*value);
@@ -123,32 +78,6 @@ pub fn svg(chart: &Chart) -> String {
         draw_curve(&mut s, i, curve, &x, &y);
     }
     s + "</svg>"
-}
-
-fn put(s: &mut String, text: std::fmt::Arguments) {
-    s.write_fmt(text).expect("a string takes any text");
-}
-
-fn axes(s: &mut String, x: &Axis, y: &Axis) {
-    let (left, right, top, bottom) = PLOT;
-    for v in x.marks() {
-        let at = x.at(v);
-        put(s, format_args!("<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{top}\" y2=\"{bottom}\"/>"));
-        put(s, format_args!("<text class=\"tick x\" x=\"{at:.1}\" y=\"{}\">{}</text>", bottom + 18.0, time_mark(v)));
-    }
-    for v in y.marks() {
-        let at = y.at(v);
-        put(s, format_args!("<line class=\"grid\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"));
-        put(
-            s,
-            format_args!("<text class=\"tick y\" x=\"{}\" y=\"{:.1}\">{}</text>", left - 8.0, at + 4.0, error_mark(v)),
-        );
-    }
-    let (w, h) = (right - left, bottom - top);
-    put(s, format_args!("<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/>"));
-    let (mx, my) = (0.5 * (left + right), 0.5 * (top + bottom));
-    put(s, format_args!("<text class=\"axis\" x=\"{mx}\" y=\"{}\">seconds, building included</text>", bottom + 40.0));
-    put(s, format_args!("<text class=\"axis\" transform=\"translate(18 {my}) rotate(-90)\">relMSE</text>"));
 }
 
 /// A line of slope -1 through the first curve's last point: what independent samples promise.
@@ -176,7 +105,7 @@ fn guide(s: &mut String, chart: &Chart, x: &Axis, y: &Axis) {
 
 fn draw_curve(s: &mut String, index: usize, curve: &Curve, x: &Axis, y: &Axis) {
     let points: Vec<&Point> = curve.points.iter().filter(|p| p.relmse.0 > 0.0).collect();
-    put(s, format_args!("<g class=\"curve s{}\">", index % 8));
+    put(s, format_args!("<g class=\"curve s{}\">", index % COLOURS));
     let path =
         |points: &[(f64, f64)]| points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ");
     let upper = points.iter().map(|p| (x.at(p.seconds), y.at(p.relmse.2)));

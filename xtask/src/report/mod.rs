@@ -3,7 +3,8 @@
 pub mod analysis;
 pub mod chart;
 mod images;
-mod page;
+pub mod page;
+pub mod plot;
 pub mod text;
 
 use crate::{

@@ -11,22 +11,32 @@ use crate::{
     },
 };
 
-const STYLE: &str = include_str!("style.css");
+/// The style sheet of pages and charts.
+pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
+
+/// How many curves have colours of their own.
+pub const COLOURS: usize = 12;
 
 /// The page of all scenes.
 pub fn html(sections: &[Section], run: &RunFacts) -> String {
     let body: String = sections.iter().enumerate().map(|(i, s)| section(i, s)).collect();
+    let lead = format!("Rendering error over time, from independent replicates, for {}.", scenes_text(sections));
+    let body = format!("{}{body}{}", summary(sections), about(run));
+    document("What accuracy costs", &lead, &body)
+}
+
+/// A page that needs nothing else: its heading, a sentence below it, and markup.
+pub fn document(heading: &str, lead: &str, body: &str) -> String {
+    let heading = escape(heading);
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-         <meta name=\"color-scheme\" content=\"light dark\"><title>Étendue: what accuracy costs</title>\
-         <style>{STYLE}</style></head><body><header><h1>What accuracy costs</h1>\
-         <p class=\"lead\">Rendering error over time, from independent replicates, for {}.</p></header><main>{}{body}{}</main>\
+         <meta name=\"color-scheme\" content=\"light dark\"><title>Étendue: {heading}</title>\
+         <style>{STYLE}</style></head><body><header><h1>{heading}</h1>\
+         <p class=\"lead\">{}</p></header><main>{body}</main>\
          <script>{SCRIPT}</script></body></html>\n",
-        scenes_text(sections),
-        summary(sections),
-        about(run),
+        escape(lead)
     )
 }
 
@@ -74,8 +84,9 @@ fn summary_rows(index: usize, section: &Section) -> String {
     section.series.iter().enumerate().map(row).collect()
 }
 
-fn swatch(index: usize) -> String {
-    format!("<span class=\"swatch s{}\"></span>", index % 8)
+/// A patch of a curve's colour.
+pub fn swatch(index: usize) -> String {
+    format!("<span class=\"swatch s{}\"></span>", index % COLOURS)
 }
 
 fn reach_cells(series: &Series) -> String {

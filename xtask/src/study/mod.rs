@@ -251,7 +251,8 @@ fn fill(results: &mut Results, images: &Path, references: &References) -> Result
 }
 
 /// How this program was started, as one would type it.
-fn command_line() -> String {
+/// The command as it was typed.
+pub fn command_line() -> String {
     let quote = |a: String| {
         let plain = a.chars().all(|c| c.is_ascii_alphanumeric() || "-_=.,:/+@%".contains(c));
         if plain && !a.is_empty() { a } else { format!("'{}'", a.replace('\'', r"'\''")) }
