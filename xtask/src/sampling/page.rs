@@ -4,7 +4,7 @@ use super::{
     Measured, Results,
     chart::{Curve, Mark, svg},
     convergence::{FIT_FROM, INTEGRANDS, SLOW_MOST},
-    penumbra::{Penumbra, SAMPLES, SIDE},
+    penumbra::{Penumbra, SAMPLES},
     pictures::{COUNTS, POINTS, Pictures, REALISATIONS},
 };
 use crate::{
@@ -142,8 +142,9 @@ pub fn standalone_slopes(results: &Results) -> String {
 
 fn lights(penumbrae: &[Penumbra]) -> String {
     let sections: String = penumbrae.iter().map(light).collect();
+    let size = penumbrae.first().map_or(0, |p| p.truth.size.x);
     let note = format!(
-        "A floor under a light, half of which a screen hides: {SIDE} × {SIDE} pixels, {} samples of a pixel and {} of the light for \
+        "A floor under a light, half of which a screen hides: {size} × {size} pixels, {} samples of a pixel and {} of the light for \
          each. Mean squared error against quadrature, relative to the open floor’s brightness, over images with other seeds; \
          blocks are the means of 4 × 4 pixels, in which errors that neighbours share out cancel.",
         SAMPLES.0, SAMPLES.1

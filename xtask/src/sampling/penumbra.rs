@@ -8,16 +8,17 @@ use glam::{DVec2, UVec2};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Pixels along a side.
-pub const SIDE: u32 = 64;
+/// Pixels along a side, and with less than as many trials.
+const SIDE: u32 = 64;
+const SMALL_SIDE: u32 = 16;
 /// Samples of a pixel, and of the light for each.
 pub const SAMPLES: (u32, u32) = (4, 16);
 /// Steps of this part.
 pub const STEPS: u32 = 3 * (Pattern::ALL.len() as u32 + 1);
 /// The floor that is seen, metres along a side, about the origin.
 const FLOOR: f64 = 0.6;
-/// Images with other seeds that the errors are over.
-const IMAGES: u64 = 8;
+/// Images with other seeds that the errors are over, unless there are fewer trials.
+const IMAGES: u32 = 8;
 
 /// A pattern's error on the image of a light.
 #[derive(Clone, Debug, Serialize)]
@@ -55,30 +56,32 @@ fn of(study: &Study, shape: LightShape) -> Result<Penumbra, Error> {
         LightShape::Round => "round",
     };
     study.step(&format!("{light} light by quadrature"))?;
-    let side = FLOOR / f64::from(SIDE);
+    let pixels_along = if study.trials < SIDE { SMALL_SIDE } else { SIDE };
+    let side = FLOOR / f64::from(pixels_along);
     let corner = |pixel: UVec2| side * pixel.as_dvec2() - 0.5 * FLOOR;
-    let pixels = || (0..SIDE * SIDE).into_par_iter().map(|i| UVec2::new(i % SIDE, i / SIDE));
+    let pixels =
+        || (0..pixels_along * pixels_along).into_par_iter().map(|i| UVec2::new(i % pixels_along, i / pixels_along));
     let truth: Vec<f64> = pixels().map(|p| shape.pixel_irradiance(corner(p), side)).collect();
     let open = truth.iter().copied().fold(0.0, f64::max);
     let (mut pictures, mut rows) = (Vec::new(), Vec::new());
     for pattern in Pattern::ALL {
         study.step(&format!("{light} light by {}", pattern.name()))?;
         let (mut error, mut blurred) = (Moments::default(), Moments::default());
-        for image in 0..IMAGES {
+        for image in 0..u64::from(IMAGES.min(study.trials)) {
             let part = 2 << 48 | index_of(pattern) << 32 | shape as u64;
             let seeds = [0, 1].map(|i| study.seed(part, 2 * image + i));
             let estimate: Vec<f64> = pixels().map(|p| pixel(shape, pattern, seeds, p, corner(p), side)).collect();
             let errors: Vec<f64> = estimate.iter().zip(&truth).map(|(e, t)| (e - t) / open).collect();
             error.push(errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64);
-            blurred.push(blur(&errors));
+            blurred.push(blur(&errors, pixels_along));
             if image == 0 {
-                pictures.push(picture(&estimate, open));
+                pictures.push(picture(&estimate, pixels_along, open));
             }
         }
         let (error, blurred) = (Measured::of(&error), Measured::of(&blurred));
         rows.push(Row { light, pattern: pattern.name(), error, blurred });
     }
-    Ok(Penumbra { light, truth: picture(&truth, open), pictures, rows })
+    Ok(Penumbra { light, truth: picture(&truth, pixels_along, open), pictures, rows })
 }
 
 /// A pixel's estimate: each of its samples has a pattern of its own on the light.
@@ -98,9 +101,9 @@ fn pixel(shape: LightShape, pattern: Pattern, seeds: [u64; 2], pixel: UVec2, cor
 }
 
 /// Mean square of the means of blocks of 4 x 4.
-fn blur(errors: &[f64]) -> f64 {
+fn blur(errors: &[f64], side: u32) -> f64 {
     const BLOCK: usize = 4;
-    let side = SIDE as usize;
+    let side = side as usize;
     let block = |x: usize, y: usize| {
         let sum: f64 = (0..BLOCK).map(|j| errors[(y + j) * side + x..][..BLOCK].iter().sum::<f64>()).sum();
         (sum / (BLOCK * BLOCK) as f64).powi(2)
@@ -110,9 +113,9 @@ fn blur(errors: &[f64]) -> f64 {
     sum / (side / BLOCK).pow(2) as f64
 }
 
-fn picture(values: &[f64], open: f64) -> Picture {
+fn picture(values: &[f64], side: u32, open: f64) -> Picture {
     // The lowest row of the floor is the last of the picture.
-    let rows = values.chunks(SIDE as usize).rev().flatten();
+    let rows = values.chunks(side as usize).rev().flatten();
     let pixels = rows.map(|v| Rgb::splat((0.8 * v / open) as f32)).collect();
-    Picture { size: UVec2::splat(SIDE), pixels }
+    Picture { size: UVec2::splat(side), pixels }
 }

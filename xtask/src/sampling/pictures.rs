@@ -15,11 +15,11 @@ use serde::Serialize;
 pub const POINTS: u32 = 256;
 /// The highest frequency: four times that at which a regular grid has its first power.
 pub const HIGHEST: u32 = 64;
-/// Realisations that a spectrum is the mean of.
+/// Realisations that a spectrum is the mean of, unless there are fewer trials.
 pub const REALISATIONS: u32 = 64;
 /// Numbers of points whose discrepancy is taken, and of patterns that it is the mean of.
 pub const COUNTS: [u32; 3] = [64, 256, 1024];
-const DISCREPANCY_PATTERNS: u64 = 16;
+const DISCREPANCY_PATTERNS: u32 = 16;
 /// Steps of this part.
 pub const STEPS: u32 = Pattern::ALL.len() as u32;
 /// Pixels along the side of a picture: two to a frequency and one more, and a margin.
@@ -75,13 +75,14 @@ pub(super) fn measure(study: &Study) -> Result<Pictures, Error> {
         // Nothing in the regular grid is random.
         let once = pattern == Pattern::Grid;
         let mut spectrum = Spectrum::new(HIGHEST);
-        (0..if once { 1 } else { REALISATIONS }).for_each(|r| spectrum.add(&points(POINTS, 0, r.into())));
+        (0..if once { 1 } else { REALISATIONS.min(study.trials) })
+            .for_each(|r| spectrum.add(&points(POINTS, 0, r.into())));
         let first = points(POINTS, 0, 0);
         pictures.pairs.push(Pair { points: draw_points(&first), spectrum: draw_spectrum(&spectrum) });
         pictures.rings.push(rings(pattern, &spectrum));
         let star = COUNTS.map(|count| {
-            let patterns = 0..if once { 1 } else { DISCREPANCY_PATTERNS };
-            patterns.map(|p| star_discrepancy(&points(count, 1, p))).collect::<Moments>().mean()
+            let patterns = 0..if once { 1 } else { DISCREPANCY_PATTERNS.min(study.trials) };
+            patterns.map(|p| star_discrepancy(&points(count, 1, p.into()))).collect::<Moments>().mean()
         });
         pictures.discrepancies.push(Discrepancy { pattern: pattern.name(), star });
     }
