@@ -52,6 +52,9 @@ pub struct PoissonDisk {
 /// by 2 % whenever four times as many darts as there are points, and 100 more, have found no room, until there are enough
 /// points (relaxation dart throwing) [McCool and Fiume 1992, sec. 3]. Every beginning of the sequence is such a pattern
 /// of a larger radius, at least about `0.7 / sqrt(N)`.
+///
+/// The radius is never more than `0.8 / sqrt(n)` for the `n`-th point, which random darts just reach: at the largest radius
+/// that leaves room, each point would have one place alone, and the pattern would be a lattice, with its directions.
 pub fn poisson_disk(count: u32, seed: u64) -> PoissonDisk {
     let (places, radius_squared) = poisson_disk_places(count, seed);
     let radius = (radius_squared as f64).sqrt() / 2.0_f64.powi(32);
@@ -63,8 +66,10 @@ pub(crate) fn poisson_disk_places(count: u32, seed: u64) -> (Vec<Place>, u64) {
     let mut random = Random::new(seed ^ 0x1319_8a2e_0370_7344);
     let mut torus = Torus::new();
     // The largest distance on the torus is half a diagonal.
-    let (mut radius_squared, mut failures) = (1_u64 << 63, 0);
+    let most = |n: usize| (0.64 / n as f64).min(0.5) * 2.0_f64.powi(64);
+    let (mut radius_squared, mut failures) = (u64::MAX, 0);
     while torus.points().len() < count as usize {
+        radius_squared = radius_squared.min(most(torus.points().len() + 1) as u64);
         let dart = random.place();
         if torus.nearest_beyond(dart, radius_squared - 1) >= radius_squared {
             torus.add(dart);

@@ -138,13 +138,16 @@ fn blue_noise_has_little_at_low_frequencies_and_no_direction() {
         beyond.mean()
     };
     let isotropic = -10.0 * f64::from(realisations).log10();
-    // The radius of a Poisson disk pattern shrinks from the largest there is, so that its first points, and all where their
-    // number is a power of four, come near to a turned or straight grid.
-    for (pattern, share, excess) in [(Pattern::PoissonDisk, 0.1, 4.0), (Pattern::BestCandidate, 0.12, 1.0)] {
+    for (pattern, share) in [(Pattern::PoissonDisk, 0.15), (Pattern::BestCandidate, 0.15)] {
         let spectrum = of(pattern);
         let (low, directions) = (spectrum.mean_below(8.0), anisotropy(&spectrum));
         assert!(low < share, "{}: {low} of white noise's energy", pattern.name());
-        assert!(directions < isotropic + excess, "{}: {directions} dB", pattern.name());
+        println!(
+            "{}: {low:.3} of white noise's energy, {:.2} dB beyond isotropy",
+            pattern.name(),
+            directions - isotropic
+        );
+        assert!(directions < isotropic + 1.0, "{}: {directions} dB", pattern.name());
     }
     let (white, jittered) = (of(Pattern::Independent), of(Pattern::CorrelatedMultiJittered));
     assert!((white.mean_below(8.0) - 1.0).abs() < 0.1, "{}", white.mean_below(8.0));
