@@ -15,7 +15,7 @@ import numpy
 SCENES = {
     "cornell-box/scene.xml": 1024,
     "veach-mis/scene.xml": 65536,
-    "veach-bidir/scene.xml": 16384,
+    "veach-bidir/scene.xml": 4096,
     "staircase/scene.xml": 1024,
     "living-room/scene.xml": 2048,
     "classroom/scene.xml": 2048,

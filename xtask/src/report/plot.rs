@@ -58,11 +58,7 @@ pub struct Labels<'a> {
 
 /// The beginning of a chart, with what it is of for those who do not see it.
 pub fn opening(title: &str) -> String {
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
-         aria-label=\"{}\">",
-        escape(title)
-    )
+    format!("<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">", escape(title))
 }
 
 /// A value on an axis as a power of ten, `2·10⁻³`.

@@ -133,9 +133,10 @@ fn convergence(results: &Results) -> String {
 /// The chart of the edge as a picture that stands alone.
 pub fn standalone_slopes(results: &Results) -> String {
     let chart = svg("variance over samples: edge", &OVER_SAMPLES, &curves(results, Integrand::Edge));
+    // A file of its own says what it is made of; in a page that is known.
     chart.replacen(
         '>',
-        &format!("><style>{STYLE} svg {{ background: var(--card); font-family: sans-serif; }}</style>"),
+        &format!(" xmlns=\"http://www.w3.org/2000/svg\"><style>{STYLE} svg {{ background: var(--card); font-family: sans-serif; }}</style>"),
         1,
     )
 }
