@@ -145,7 +145,7 @@ fn pictures() {
     let texels = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(Rgb::splat).to_vec();
     let bitmap = Arc::new(Bitmap { width: 3, height: 2, texels });
     let image = || Texture::Bitmap {
-        bitmap: bitmap.clone(),
+        bitmap: bitmap.clone().into(),
         interpolation: Interpolation::Nearest,
         wrap: Wrap::Clamp,
         to_uv: Affine2::IDENTITY,

@@ -24,7 +24,7 @@ fn to_world() -> DAffine3 {
 }
 
 fn image(texels: &[Rgb], width: u32, interpolation: Interpolation) -> Texture<Rgb> {
-    let bitmap = Arc::new(Bitmap { width, height: texels.len() as u32 / width, texels: texels.to_vec() });
+    let bitmap = Arc::new(Bitmap { width, height: texels.len() as u32 / width, texels: texels.to_vec() }).into();
     Texture::Bitmap { bitmap, interpolation, wrap: Wrap::Clamp, to_uv: Affine2::IDENTITY }
 }
 
@@ -221,8 +221,8 @@ fn pictures_carry_their_flux() {
             DeltaLight::Projector { fov_x, aspect, irradiance, .. } => {
                 let mean = match irradiance {
                     Texture::Bitmap { bitmap, interpolation: Interpolation::Nearest, .. } => {
-                        let sum: f64 = bitmap.texels.iter().map(|t| f64::from(t.g)).sum();
-                        Some(sum / bitmap.texels.len() as f64)
+                        let sum: f64 = bitmap.values().iter().map(|t| f64::from(t.g)).sum();
+                        Some(sum / bitmap.len() as f64)
                     }
                     Texture::Constant(value) => Some(f64::from(value.g)),
                     Texture::Checkerboard { .. } => Some(0.5),

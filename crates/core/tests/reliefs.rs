@@ -54,7 +54,7 @@ const NORMALS: [[f32; 3]; 12] = [
 
 /// Mitsuba's images have their first row at `v = 0`.
 fn texture<T: Texel>(texels: Vec<T>, width: u32) -> Texture<T> {
-    let bitmap = Arc::new(Bitmap { width, height: texels.len() as u32 / width, texels });
+    let bitmap = Arc::new(Bitmap { width, height: texels.len() as u32 / width, texels }).into();
     let to_uv = Affine2 { matrix2: Mat2::from_diagonal(Vec2::new(1.0, -1.0)), translation: Vec2::Y };
     Texture::Bitmap { bitmap, interpolation: Interpolation::Bilinear, wrap: Wrap::Repeat, to_uv }
 }

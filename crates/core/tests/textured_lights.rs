@@ -44,7 +44,7 @@ fn scene(objects: Vec<(ObjectShape, DAffine3, Texture<Rgb>)>) -> Scene {
 fn noise() -> Texture<Rgb> {
     let mut random = Random::new(60);
     let texels = (0..35).map(|_| Rgb::new(random.f32(), random.f32(), random.f32())).collect();
-    let bitmap = Arc::new(Bitmap { width: 7, height: 5, texels });
+    let bitmap = Arc::new(Bitmap { width: 7, height: 5, texels }).into();
     let to_uv = Affine2::from_scale_angle_translation(Vec2::new(1.3, 0.8), 0.3, Vec2::new(0.1, 0.2));
     Texture::Bitmap { bitmap, interpolation: Interpolation::Bilinear, wrap: Wrap::Mirror, to_uv }
 }
@@ -189,7 +189,7 @@ fn elements_are_chosen_by_what_they_emit() {
     let mut texels = vec![Rgb::BLACK; 10_000];
     texels[4012] = Rgb::splat(1e4);
     let spark = Texture::Bitmap {
-        bitmap: Arc::new(Bitmap { width: 100, height: 100, texels }),
+        bitmap: Arc::new(Bitmap { width: 100, height: 100, texels }).into(),
         interpolation: Interpolation::Nearest,
         wrap: Wrap::Repeat,
         to_uv: Affine2::IDENTITY,

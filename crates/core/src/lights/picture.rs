@@ -85,7 +85,7 @@ impl Picture {
         let (size, texels) = match (&self.texture, self.kind) {
             (Texture::Constant(_), Kind::Projector) => ([1, 1], [1, 1]),
             (Texture::Bitmap { bitmap, .. }, _) => {
-                let texels = [bitmap.width, bitmap.height];
+                let texels = bitmap.size();
                 (texels.map(|n| n.clamp(least, most)), texels)
             }
             _ => ([most / 4; 2], [1, 1]),

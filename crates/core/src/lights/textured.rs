@@ -100,7 +100,7 @@ pub(super) fn overall_mean(texture: &Texture<Rgb>) -> Rgb {
     match texture {
         Texture::Constant(value) => *value,
         Texture::Checkerboard { even, odd, .. } => mean(&[*even, *odd]),
-        Texture::Bitmap { bitmap, .. } => mean(&bitmap.texels),
+        Texture::Bitmap { bitmap, .. } => mean(&bitmap.values()),
         Texture::VertexColor => Rgb::BLACK,
     }
 }

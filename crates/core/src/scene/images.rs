@@ -5,9 +5,9 @@ use crate::{
     lights::environment::Environment,
     material::{Material, Principled, PrincipledThin, Relief},
     rgb::Rgb,
-    texture::{Bitmap, Texel, Texture},
+    texture::{Raster, Texel, Texture},
 };
-use std::{collections::HashSet, sync::Arc};
+use std::collections::HashSet;
 
 /// How many images there are and what they take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,7 +35,7 @@ impl Images {
             }
         }
         if let Some(Environment::LatLong { image, .. }) = &scene.environment {
-            counter.bitmap(image);
+            counter.raster(&Raster::from(image.clone()));
         }
         counter.images
     }
@@ -49,17 +49,17 @@ struct Counter {
 }
 
 impl Counter {
-    fn bitmap<T>(&mut self, bitmap: &Arc<Bitmap<T>>) {
-        if self.met.insert(Arc::as_ptr(bitmap) as usize) {
+    fn raster<T: Texel>(&mut self, raster: &Raster<T>) {
+        if self.met.insert(raster.address()) {
             self.images.count += 1;
-            self.images.texels += bitmap.texels.len() as u64;
-            self.images.bytes += size_of_val(&bitmap.texels[..]) as u64;
+            self.images.texels += raster.len() as u64;
+            self.images.bytes += raster.bytes() as u64;
         }
     }
 
     fn texture<T: Texel>(&mut self, texture: &Texture<T>) {
         if let Texture::Bitmap { bitmap, .. } = texture {
-            self.bitmap(bitmap);
+            self.raster(bitmap);
         }
     }
 
@@ -118,6 +118,8 @@ impl Counter {
 mod tests {
     use super::*;
     use crate::scene::NamedMaterial;
+    use crate::texture::Bitmap;
+    use std::sync::Arc;
 
     #[test]
     fn a_shared_image_counts_once() {

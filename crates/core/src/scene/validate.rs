@@ -10,7 +10,6 @@ use crate::{
     camera::unit_axes,
     lights::Lights,
     material::{Material, RoughnessTexture},
-    parallel,
     relief::Relief,
     rgb::Rgb,
     texture::{Texel, Texture},
@@ -268,14 +267,14 @@ fn check_texture_between<T: Bounded>(
             to_uv
         }
         Texture::Bitmap { bitmap, to_uv, .. } => {
-            let expected = bitmap.width as usize * bitmap.height as usize;
-            if expected == 0 || bitmap.texels.len() != expected {
-                let (width, height, texels) = (bitmap.width, bitmap.height, bitmap.texels.len());
+            let [width, height] = bitmap.size();
+            let (texels, expected) = (bitmap.len(), width as usize * height as usize);
+            if expected == 0 || texels != expected {
                 return Err(Problem::Other(format!("its bitmap of {width}x{height} has {texels} texels")));
             }
             // One by one only for what to say of the first that is wrong.
-            if !parallel::all(&bitmap.texels, |value| value.is_within(least, most)) {
-                bitmap.texels.iter().try_for_each(|value| check(*value))?;
+            if !bitmap.is_within(least, most) {
+                bitmap.values().into_iter().try_for_each(check)?;
             }
             to_uv
         }

@@ -218,7 +218,7 @@ impl<'d> Textures<'d> {
             return Err(flaw(format!("the transform of textures[{}] is not finite", lookup.texture)));
         }
         let (interpolation, wrap) = self.sampler(lookup.texture, notes)?;
-        Ok(Texture::Bitmap { bitmap, interpolation, wrap, to_uv: lookup.to_uv })
+        Ok(Texture::Bitmap { bitmap: bitmap.into(), interpolation, wrap, to_uv: lookup.to_uv })
     }
 
     /// How a texture is looked up between its texels and beyond its border.

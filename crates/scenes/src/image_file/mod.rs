@@ -8,9 +8,12 @@ mod exr;
 pub use exr::read_exr;
 
 use crate::error::{Flaw, LoadError, Place, read_file};
-use etendue_core::{rgb::Rgb, texture::Bitmap};
+use etendue_core::{
+    rgb::Rgb,
+    texture::{Bitmap, CodedBitmap, Raster},
+};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
-use std::{io::Cursor, path::Path};
+use std::{io::Cursor, path::Path, sync::Arc};
 
 /// The largest file that is read.
 pub const LARGEST_FILE: u64 = 1 << 30;
@@ -59,8 +62,8 @@ pub enum Coding {
 ///
 /// A file that cannot be read or is no image of a supported kind.
 pub fn read(path: &Path) -> Result<Image, LoadError> {
-    let bitmap = decode(&read_file(path, LARGEST_FILE)?, path, Coding::Srgb).map_err(|flaw| flaw.of(path))?;
-    Ok(Image::of(bitmap))
+    let image = decode(&read_file(path, LARGEST_FILE)?, path, Coding::Srgb).map_err(|flaw| flaw.of(path))?;
+    Ok(Image::of(Arc::unwrap_or_clone(image.bitmap())))
 }
 
 /// Decodes an image by what its first bytes, or if they do not say it the end of its name, say of its format. Transparency is
@@ -69,17 +72,12 @@ pub fn read(path: &Path) -> Result<Image, LoadError> {
 /// # Errors
 ///
 /// Anything that is wrong, an image of more than [`MOST_TEXELS`], or one that is too large to be in so small a file.
-pub fn decode(bytes: &[u8], name: &Path, coding: Coding) -> Result<Bitmap<Rgb>, Flaw> {
+pub fn decode(bytes: &[u8], name: &Path, coding: Coding) -> Result<Raster<Rgb>, Flaw> {
     match format(bytes, name) {
-        Some(ImageFormat::OpenExr) => exr::decode(bytes),
+        Some(ImageFormat::OpenExr) => Ok(Arc::new(exr::decode(bytes)?).into()),
         Some(format) if format.reading_enabled() => whole_numbers(bytes, format, coding),
         _ => Err(whole("images are read from .exr, .hdr, .png, .jpg, .bmp and .tga files")),
     }
-}
-
-/// Whether the numbers of an image are whole, and so stand for values from 0 to 1.
-pub(crate) fn is_whole(bytes: &[u8], name: &Path) -> bool {
-    !matches!(format(bytes, name), Some(ImageFormat::OpenExr | ImageFormat::Hdr))
 }
 
 /// The format, by the first bytes, or if they do not say it by the end of the name.
@@ -106,21 +104,19 @@ fn check_size(width: u64, height: u64, bytes: usize) -> Result<(), Flaw> {
     Ok(())
 }
 
-fn whole_numbers(bytes: &[u8], format: ImageFormat, coding: Coding) -> Result<Bitmap<Rgb>, Flaw> {
+fn whole_numbers(bytes: &[u8], format: ImageFormat, coding: Coding) -> Result<Raster<Rgb>, Flaw> {
     let unreadable = |e: image::ImageError| whole(format!("not a readable image: {e}"));
     let reader = ImageReader::with_format(Cursor::new(bytes), format);
     let decoder = reader.into_decoder().map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
     check_size(u64::from(width), u64::from(height), bytes.len())?;
     let image = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
-    let table = coding.eight_bits();
-    let eight = |v: u8| table[usize::from(v)];
+    if image.color().bytes_per_pixel() == image.color().channel_count() {
+        let coded = CodedBitmap::new(width, height, image.into_rgb8().into_raw(), coding.eight_bits());
+        return coded.map(|c| Arc::new(c).into()).ok_or_else(|| whole("the image has not the size that it claims"));
+    }
     let sixteen = |v: u16| coding.linear(f32::from(v) / f32::from(u16::MAX));
     let texels = match &image {
-        DynamicImage::ImageLuma8(i) => i.pixels().map(|p| Rgb::splat(eight(p[0]))).collect(),
-        DynamicImage::ImageLumaA8(i) => i.pixels().map(|p| Rgb::splat(eight(p[0]))).collect(),
-        DynamicImage::ImageRgb8(i) => colours(i.as_raw(), 3, &table),
-        DynamicImage::ImageRgba8(i) => colours(i.as_raw(), 4, &table),
         DynamicImage::ImageLuma16(i) => i.pixels().map(|p| Rgb::splat(sixteen(p[0]))).collect(),
         DynamicImage::ImageLumaA16(i) => i.pixels().map(|p| Rgb::splat(sixteen(p[0]))).collect(),
         DynamicImage::ImageRgb16(i) => i.pixels().map(|p| Rgb::from(p.0.map(sixteen))).collect(),
@@ -128,12 +124,7 @@ fn whole_numbers(bytes: &[u8], format: ImageFormat, coding: Coding) -> Result<Bi
         DynamicImage::ImageRgb32F(i) => i.pixels().map(|p| Rgb::from(p.0)).collect(),
         other => return Err(whole(format!("images of the kind {:?} are not read", other.color()))),
     };
-    Ok(Bitmap { width, height, texels })
-}
-
-fn colours(bytes: &[u8], channels: usize, table: &[f32; 256]) -> Vec<Rgb> {
-    let value = |byte: u8| table[usize::from(byte)];
-    bytes.chunks_exact(channels).map(|p| Rgb::new(value(p[0]), value(p[1]), value(p[2]))).collect()
+    Ok(Arc::new(Bitmap { width, height, texels }).into())
 }
 
 /// A component of sRGB, from 0 to 1, as linear light [IEC 61966-2-1].

@@ -10,13 +10,12 @@ use crate::{
     image_file::{self, Coding},
     obj, ply, serialized,
 };
-use etendue_core::{geometry::Mesh, rgb::Rgb, texture::Bitmap};
+use etendue_core::{geometry::Mesh, rgb::Rgb, texture::Raster};
 use rayon::prelude::*;
 use std::{
     cell::RefCell,
     collections::{HashMap, HashSet},
     path::{Path, PathBuf},
-    sync::Arc,
 };
 
 /// The kinds of mesh files.
@@ -56,24 +55,15 @@ impl ImageFile {
         ImageFile { path, coding }
     }
 
-    fn read(&self) -> Result<Picture, LoadError> {
+    fn read(&self) -> Result<Raster<Rgb>, LoadError> {
         let coding = match self.coding {
             (0, _) => Coding::Srgb,
             (1, _) => Coding::Linear,
             (_, bits) => Coding::Gamma(f32::from_bits(bits)),
         };
         let bytes = read_file(&self.path, image_file::LARGEST_FILE)?;
-        let bitmap = image_file::decode(&bytes, &self.path, coding).map_err(|flaw| flaw.of(&self.path))?;
-        Ok(Picture { bitmap: Arc::new(bitmap), within_1: image_file::is_whole(&bytes, &self.path) })
+        image_file::decode(&bytes, &self.path, coding).map_err(|flaw| flaw.of(&self.path))
     }
-}
-
-/// An image as its file has it.
-#[derive(Clone)]
-pub(super) struct Picture {
-    pub(super) bitmap: Arc<Bitmap<Rgb>>,
-    /// Whether it is known that all values lie from 0 to 1.
-    pub(super) within_1: bool,
 }
 
 /// Files that were read without a fault. One that is not here is read, and found faulty, when it is asked for.
@@ -81,7 +71,7 @@ pub(super) struct Picture {
 pub(super) struct Ahead {
     /// Each with the number of times that it will be asked for.
     meshes: RefCell<HashMap<(MeshFile, PathBuf), (Mesh, usize)>>,
-    images: RefCell<HashMap<ImageFile, Picture>>,
+    images: RefCell<HashMap<ImageFile, Raster<Rgb>>>,
 }
 
 enum Task {
@@ -92,7 +82,7 @@ enum Task {
 
 enum Done {
     Meshes(PathBuf, Vec<(MeshFile, usize, Mesh)>),
-    Image(ImageFile, Picture),
+    Image(ImageFile, Raster<Rgb>),
 }
 
 /// The largest file of meshes that is read.
@@ -139,8 +129,8 @@ impl Ahead {
                     let meshes = meshes.into_iter().map(|(kind, uses, mesh)| ((kind, path.clone()), (mesh, uses)));
                     ahead.meshes.borrow_mut().extend(meshes);
                 }
-                Done::Image(file, picture) => {
-                    ahead.images.borrow_mut().insert(file, picture);
+                Done::Image(file, image) => {
+                    ahead.images.borrow_mut().insert(file, image);
                 }
             }
         }
@@ -162,13 +152,13 @@ impl Ahead {
     }
 
     /// An image as its file has it.
-    pub(super) fn image(&self, file: &ImageFile) -> Result<Picture, LoadError> {
-        if let Some(picture) = self.images.borrow().get(file) {
-            return Ok(picture.clone());
+    pub(super) fn image(&self, file: &ImageFile) -> Result<Raster<Rgb>, LoadError> {
+        if let Some(image) = self.images.borrow().get(file) {
+            return Ok(image.clone());
         }
-        let picture = file.read()?;
-        self.images.borrow_mut().insert(file.clone(), picture.clone());
-        Ok(picture)
+        let image = file.read()?;
+        self.images.borrow_mut().insert(file.clone(), image.clone());
+        Ok(image)
     }
 }
 
@@ -192,8 +182,8 @@ impl Task {
                 Some(Done::Meshes(path, meshes))
             }
             Task::Image(file) => {
-                let picture = file.read().ok()?;
-                Some(Done::Image(file, picture))
+                let image = file.read().ok()?;
+                Some(Done::Image(file, image))
             }
         }
     }

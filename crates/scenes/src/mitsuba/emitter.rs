@@ -83,7 +83,7 @@ impl<'d> Import<'_, 'd> {
 /// lies at `u = atan2(d.x, -d.z) / 2 pi`, which is what [`Environment::LatLong`] says.
 fn image(plugin: &Plugin) -> Result<Environment, LoadError> {
     let file = ImageFile::new(plugin.file("filename")?, Coding::Srgb);
-    let mut image = plugin.reader.ahead.image(&file)?.bitmap;
+    let mut image = plugin.reader.ahead.image(&file)?.bitmap();
     // Mitsuba's own bounds.
     if image.width < 2 || image.height < 3 {
         let message = format!("an environment image of {} x {} is below 2 x 3", image.width, image.height);
@@ -171,7 +171,10 @@ fn spot(plugin: &Plugin) -> Result<DeltaLight, LoadError> {
 fn projector(plugin: &Plugin) -> Result<DeltaLight, LoadError> {
     let image = plugin.texture_or("irradiance", EMISSION, Rgb::WHITE)?;
     let aspect = match &image {
-        Texture::Bitmap { bitmap, .. } => f64::from(bitmap.width) / f64::from(bitmap.height),
+        Texture::Bitmap { bitmap, .. } => {
+            let [width, height] = bitmap.size();
+            f64::from(width) / f64::from(height)
+        }
         _ => 1.0,
     };
     let scale = plugin.not_negative("scale")?.unwrap_or(1.0) as f32;

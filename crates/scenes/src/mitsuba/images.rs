@@ -1,22 +1,20 @@
 //! Images as textures use them: within their bounds, each once.
 
 use super::{
-    ahead::{ImageFile, Picture},
+    ahead::ImageFile,
     texture::{Domain, Value},
 };
-use etendue_core::{rgb::Rgb, texture::Bitmap};
-use rayon::prelude::*;
+use etendue_core::{rgb::Rgb, texture::Raster};
 use std::{
     cell::{Cell, RefCell},
     collections::HashMap,
-    sync::Arc,
 };
 
 /// An image file with the bounds of its values, by their bits.
 type Key = (ImageFile, u32, u32);
 
 /// What is held of one kind of value.
-pub(super) type Held<T> = RefCell<HashMap<Key, Arc<Bitmap<T>>>>;
+pub(super) type Held<T> = RefCell<HashMap<Key, Raster<T>>>;
 
 /// The images of a scene's textures.
 #[derive(Default)]
@@ -32,33 +30,26 @@ impl Images {
     pub(super) fn within<T: Value>(
         &self,
         file: &ImageFile,
-        picture: &Picture,
+        image: &Raster<Rgb>,
         domain: Domain,
         note: impl FnOnce(String),
-    ) -> Arc<Bitmap<T>> {
+    ) -> Raster<T> {
         let (least, most) = domain.bounds();
         let key = (file.clone(), least.to_bits(), most.to_bits());
         if let Some(held) = T::held(self).borrow().get(&key) {
             return held.clone();
         }
-        let image = &picture.bitmap;
-        let known = picture.within_1 && least <= 0.0 && most >= 1.0;
-        let outside = |t: &Rgb| usize::from(!T::of(*t).is_within(least, most));
-        let moved: usize = if known { 0 } else { image.texels.par_iter().map(outside).sum() };
-        let bounded = |v: f32| if v.is_nan() { least.max(0.0) } else { v.clamp(least, most) };
-        let bitmap = match T::shared(image).filter(|_| moved == 0) {
-            Some(shared) => shared,
-            None => {
-                let texels = image.texels.par_iter().map(|t| T::of(*t).map(bounded)).collect();
-                Arc::new(Bitmap { width: image.width, height: image.height, texels })
-            }
-        };
+        let mut image = T::image(image);
+        // One by one only for how many there are.
+        let outside = |value: &T| !value.is_within(least, most);
+        let moved = if image.is_within(least, most) { 0 } else { image.values().into_iter().filter(outside).count() };
         if moved > 0 {
-            let (path, all) = (file.path.display(), image.texels.len());
+            let (path, all) = (file.path.display(), image.len());
             note(format!("{path}: {moved} of {all} texels are not from {least} to {most} and are moved there"));
+            image = image.map(|v| if v.is_nan() { least.max(0.0) } else { v.clamp(least, most) });
         }
-        T::held(self).borrow_mut().insert(key, bitmap.clone());
-        bitmap
+        T::held(self).borrow_mut().insert(key, image.clone());
+        image
     }
 
     /// Counts a texture of vertex colours.

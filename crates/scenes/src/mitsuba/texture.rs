@@ -10,9 +10,10 @@ use super::{
 use crate::error::{LoadError, abridged};
 use etendue_core::{
     rgb::Rgb,
-    texture::{Bitmap, Interpolation, Texel, Texture, Wrap},
+    texture::{Bitmap, CodedBitmap, Interpolation, Raster, Texel, Texture, Wrap},
 };
 use glam::{Affine2, DAffine3, Mat2, Vec2};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 const KINDS: [&str; 4] = ["bitmap", "checkerboard", "mesh_attribute", "scale"];
@@ -56,14 +57,12 @@ pub(super) trait Value: Texel + PartialEq {
     const EXCHANGED: bool;
     /// A constant parameter.
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Self>, LoadError>;
-    /// The components, each of which the domain bounds, changed.
-    fn map(self, f: impl Fn(f32) -> f32) -> Self;
-    /// A texel of an image; a number is the luminance.
-    fn of(texel: Rgb) -> Self;
+    /// A colour as such a value; a number is the luminance.
+    fn of(color: Rgb) -> Self;
+    /// An image of colours as one of such values.
+    fn image(colors: &Raster<Rgb>) -> Raster<Self>;
     /// Those of its images that are held.
     fn held(images: &Images) -> &Held<Self>;
-    /// An image of colours as one of such values without a copy, where that is the same.
-    fn shared(image: &Arc<Bitmap<Rgb>>) -> Option<Arc<Bitmap<Self>>>;
 }
 
 impl Value for Rgb {
@@ -73,20 +72,16 @@ impl Value for Rgb {
         if domain == REFLECTANCE { plugin.reflectance(name) } else { plugin.colour(name, domain.meaning) }
     }
 
-    fn map(self, f: impl Fn(f32) -> f32) -> Rgb {
-        Rgb::new(f(self.r), f(self.g), f(self.b))
+    fn of(color: Rgb) -> Rgb {
+        color
     }
 
-    fn of(texel: Rgb) -> Rgb {
-        texel
+    fn image(colors: &Raster<Rgb>) -> Raster<Rgb> {
+        colors.clone()
     }
 
     fn held(images: &Images) -> &Held<Rgb> {
         &images.colours
-    }
-
-    fn shared(image: &Arc<Bitmap<Rgb>>) -> Option<Arc<Bitmap<Rgb>>> {
-        Some(image.clone())
     }
 }
 
@@ -108,21 +103,28 @@ impl Value for f32 {
         Ok(Some((value as f32).max(domain.least)))
     }
 
-    fn map(self, f: impl Fn(f32) -> f32) -> f32 {
-        f(self)
+    fn of(color: Rgb) -> f32 {
+        // A grey keeps its value to the last bit, and no luminance rounds to more than the largest component.
+        if color.r == color.g && color.g == color.b { color.r } else { color.luminance().min(color.max_element()) }
     }
 
-    fn of(texel: Rgb) -> f32 {
-        // A grey keeps its value to the last bit, and no luminance rounds to more than the largest component.
-        if texel.r == texel.g && texel.g == texel.b { texel.r } else { texel.luminance().min(texel.max_element()) }
+    fn image(colors: &Raster<Rgb>) -> Raster<f32> {
+        let [width, height] = colors.size();
+        if let Raster::Coded(coded) = colors {
+            let texels = coded.bytes().as_chunks().0;
+            if texels.iter().all(|[r, g, b]| r == g && g == b) {
+                let greys = texels.iter().map(|[grey, _, _]| *grey).collect();
+                if let Some(grey) = CodedBitmap::new(width, height, greys, *coded.values()) {
+                    return Arc::new(grey).into();
+                }
+            }
+        }
+        let texels = colors.bitmap().texels.par_iter().map(|t| f32::of(*t)).collect();
+        Arc::new(Bitmap { width, height, texels }).into()
     }
 
     fn held(images: &Images) -> &Held<f32> {
         &images.numbers
-    }
-
-    fn shared(_: &Arc<Bitmap<Rgb>>) -> Option<Arc<Bitmap<f32>>> {
-        None
     }
 }
 
@@ -290,9 +292,7 @@ fn changed<T: Value>(texture: Texture<T>, f: impl Fn(f32) -> f32) -> Texture<T> 
             Texture::Checkerboard { even: even.map(&f), odd: odd.map(&f), to_uv }
         }
         Texture::Bitmap { bitmap, interpolation, wrap, to_uv } => {
-            let texels = bitmap.texels.iter().map(|t| t.map(&f)).collect();
-            let bitmap = Arc::new(Bitmap { width: bitmap.width, height: bitmap.height, texels });
-            Texture::Bitmap { bitmap, interpolation, wrap, to_uv }
+            Texture::Bitmap { bitmap: bitmap.map(f), interpolation, wrap, to_uv }
         }
         Texture::VertexColor => Texture::VertexColor,
     }

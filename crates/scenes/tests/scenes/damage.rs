@@ -5,7 +5,7 @@ use crate::{
     images::encoded,
     meshes::{ASCII_PLY, OBJ, binary_ply, exr_bytes},
 };
-use etendue_core::{geometry::Mesh, rgb::Rgb, texture::Bitmap};
+use etendue_core::{geometry::Mesh, rgb::Rgb, texture::Raster};
 use etendue_scenes::{
     Flaw, LoadOptions,
     image_file::{Coding, decode, read_exr},
@@ -95,7 +95,7 @@ const IMAGES: [ImageFormat; 4] = [ImageFormat::Png, ImageFormat::Bmp, ImageForma
 const NAMELESS: &str = "image";
 
 /// Targa files say what they are by their name alone.
-fn tga(bytes: &[u8]) -> Result<Bitmap<Rgb>, Flaw> {
+fn tga(bytes: &[u8]) -> Result<Raster<Rgb>, Flaw> {
     decode(bytes, "image.tga".as_ref(), Coding::Linear)
 }
 
@@ -144,7 +144,8 @@ proptest! {
         let bytes = damaged(&sample_exr(), cut, &changes);
         if let Ok(image) = read_exr(&bytes) {
             let bitmap = image.bitmap;
-            prop_assert_eq!(bitmap.texels.len(), bitmap.width as usize * bitmap.height as usize);
+            let expected = bitmap.width as usize * bitmap.height as usize;
+            prop_assert_eq!(bitmap.texels.len(), expected);
             prop_assert!(bitmap.texels.iter().all(|t| t.is_valid()));
         }
     }
@@ -170,8 +171,9 @@ proptest! {
         let bytes = damaged(&encoded(IMAGES[format], true), cut, &changes);
         let read = [decode(&bytes, NAMELESS.as_ref(), Coding::Gamma(2.2)), tga(&bytes)];
         for bitmap in read.into_iter().flatten() {
-            prop_assert_eq!(bitmap.texels.len(), bitmap.width as usize * bitmap.height as usize);
-            prop_assert!(bitmap.texels.len() <= 1032 * bytes.len());
+            let [width, height] = bitmap.size();
+            prop_assert_eq!(bitmap.len(), width as usize * height as usize);
+            prop_assert!(bitmap.len() <= 1032 * bytes.len());
         }
     }
 }

@@ -22,8 +22,8 @@ pub(crate) fn encoded(format: ImageFormat, transparent: bool) -> Vec<u8> {
 
 fn texels(bytes: &[u8], name: &str, coding: Coding) -> Vec<[f32; 3]> {
     let bitmap = decode(bytes, Path::new(name), coding).unwrap();
-    assert_eq!((bitmap.width, bitmap.height), (2, 2));
-    bitmap.texels.iter().map(|t| t.to_array()).collect()
+    assert_eq!(bitmap.size(), [2, 2]);
+    bitmap.values().into_iter().map(Rgb::to_array).collect()
 }
 
 /// Figures: Mitsuba 3.9.1, scalar_rgb, `eval` of a `bitmap` of this image.
@@ -79,7 +79,7 @@ fn photographs_and_radiance_are_read() {
     flat.write_to(&mut jpg, ImageFormat::Jpeg).unwrap();
     let bitmap = decode(jpg.get_ref(), Path::new("a.jpg"), Coding::Linear).unwrap();
     let close = |t: &Rgb| t.to_array().iter().zip([200.0, 100.0, 50.0]).all(|(c, e)| (c * 255.0 - e).abs() <= 3.0);
-    assert!(bitmap.texels.len() == 256 && bitmap.texels.iter().all(close));
+    assert!(bitmap.len() == 256 && bitmap.values().iter().all(close));
     // Radiance has numbers with a point, which no coding touches.
     let hdr = encoded(ImageFormat::Hdr, false);
     for coding in [Coding::Srgb, Coding::Linear] {

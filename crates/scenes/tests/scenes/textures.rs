@@ -8,7 +8,7 @@ use crate::{
 use etendue_core::{
     material::{Material, Relief},
     rgb::Rgb,
-    texture::{Texture, TexturePoint},
+    texture::{Raster, Texture, TexturePoint},
 };
 use glam::Vec2;
 use image::ImageFormat;
@@ -135,7 +135,7 @@ fn an_image_is_held_once() {
         .materials
         .iter()
         .map(|m| match &m.material {
-            Material::Lambert { reflectance: Texture::Bitmap { bitmap, .. } } => bitmap.clone(),
+            Material::Lambert { reflectance: Texture::Bitmap { bitmap: Raster::Coded(bitmap), .. } } => bitmap.clone(),
             other => panic!("{other:?}"),
         })
         .collect();

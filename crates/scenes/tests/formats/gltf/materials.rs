@@ -158,7 +158,7 @@ fn normal_maps_are_scaled_and_stand_outermost() {
     let n = match &normals {
         Texture::Bitmap { bitmap, to_uv, .. } => {
             assert_eq!(to_uv.matrix2.x_axis.x, 3.0);
-            bitmap.texels[0]
+            bitmap.values()[0]
         }
         _ => panic!(),
     };

@@ -1,15 +1,26 @@
 //! Values that vary over a surface.
 
+mod bitmap;
+mod raster;
+
+pub use bitmap::{Bitmap, Interpolation, Wrap};
+pub use raster::{CodedBitmap, Raster};
+
 use crate::{digest::Digest, rgb::Rgb};
 use glam::{Affine2, Vec2};
 use std::{
     fmt,
     ops::{Add, Mul},
-    sync::Arc,
 };
 
 /// What a texture can hold: a colour or a number.
 pub trait Texel: Copy + fmt::Debug + Send + Sync + Add<Output = Self> + Mul<f32, Output = Self> {
+    /// How many numbers it is made of.
+    const COMPONENTS: usize;
+    /// From these numbers.
+    fn from_components(components: impl Fn(usize) -> f32) -> Self;
+    /// Each of these numbers changed.
+    fn map(self, f: impl Fn(f32) -> f32) -> Self;
     /// A vertex colour as such a value; for a number its luminance.
     fn from_color(color: Rgb) -> Self;
     /// Whether each component is from `least` to `most`; what is no number is not.
@@ -19,6 +30,18 @@ pub trait Texel: Copy + fmt::Debug + Send + Sync + Add<Output = Self> + Mul<f32,
 }
 
 impl Texel for Rgb {
+    const COMPONENTS: usize = 3;
+
+    #[inline]
+    fn from_components(components: impl Fn(usize) -> f32) -> Rgb {
+        Rgb::new(components(0), components(1), components(2))
+    }
+
+    #[inline]
+    fn map(self, f: impl Fn(f32) -> f32) -> Rgb {
+        Rgb::new(f(self.r), f(self.g), f(self.b))
+    }
+
     #[inline]
     fn from_color(color: Rgb) -> Rgb {
         color
@@ -36,6 +59,18 @@ impl Texel for Rgb {
 }
 
 impl Texel for f32 {
+    const COMPONENTS: usize = 1;
+
+    #[inline]
+    fn from_components(components: impl Fn(usize) -> f32) -> f32 {
+        components(0)
+    }
+
+    #[inline]
+    fn map(self, f: impl Fn(f32) -> f32) -> f32 {
+        f(self)
+    }
+
     #[inline]
     fn from_color(color: Rgb) -> f32 {
         color.luminance()
@@ -49,41 +84,6 @@ impl Texel for f32 {
     fn digest(self, digest: &mut Digest) {
         digest.add(self.to_bits());
     }
-}
-
-/// An image of linear values; row 0 is the top (`v = 1`).
-///
-/// Its `Debug` form has a digest of the texels, as there are millions of them.
-#[derive(Clone, PartialEq)]
-pub struct Bitmap<T> {
-    /// Width in texels, positive.
-    pub width: u32,
-    /// Height in texels, positive.
-    pub height: u32,
-    /// `width * height` texels, row by row.
-    pub texels: Vec<T>,
-}
-
-/// How a bitmap is looked up between its texels' centres.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interpolation {
-    /// The nearest texel.
-    Nearest,
-    /// Bilinear between four texels.
-    #[default]
-    Bilinear,
-}
-
-/// What lies beyond a bitmap's border.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// The bitmap again.
-    #[default]
-    Repeat,
-    /// The bitmap mirrored.
-    Mirror,
-    /// Its outermost texel.
-    Clamp,
 }
 
 /// What a texture is looked up with.
@@ -112,7 +112,7 @@ pub enum Texture<T: Texel> {
     /// An image over the unit square.
     Bitmap {
         /// The image.
-        bitmap: Arc<Bitmap<T>>,
+        bitmap: Raster<T>,
         /// Between texels.
         interpolation: Interpolation,
         /// Beyond the unit square.
@@ -132,7 +132,8 @@ impl<T: Texel> From<T> for Texture<T> {
 
 impl<T: Texel> Texture<T> {
     /// An image as it most often is: bilinear, repeated.
-    pub fn bitmap(bitmap: Arc<Bitmap<T>>) -> Texture<T> {
+    pub fn bitmap(bitmap: impl Into<Raster<T>>) -> Texture<T> {
+        let bitmap = bitmap.into();
         Texture::Bitmap { bitmap, interpolation: Interpolation::Bilinear, wrap: Wrap::Repeat, to_uv: Affine2::IDENTITY }
     }
 
@@ -162,58 +163,9 @@ impl<T: Texel> Texture<T> {
         match self {
             Texture::Constant(value) => vec![*value],
             Texture::Checkerboard { even, odd, .. } => vec![*even, *odd],
-            Texture::Bitmap { bitmap, .. } => bitmap.texels.clone(),
+            Texture::Bitmap { bitmap, .. } => bitmap.values(),
             Texture::VertexColor => Vec::new(),
         }
-    }
-}
-
-impl<T: Texel> fmt::Debug for Bitmap<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut digest = Digest::default();
-        self.texels.iter().for_each(|t| t.digest(&mut digest));
-        f.debug_struct("Bitmap")
-            .field("width", &self.width)
-            .field("height", &self.height)
-            .field("texels", &digest)
-            .finish()
-    }
-}
-
-impl<T: Texel> Bitmap<T> {
-    /// The value at image coordinates: texel centres lie at half-integers over the size; v grows upwards, rows grow downwards.
-    pub fn at(&self, uv: Vec2, interpolation: Interpolation, wrap: Wrap) -> T {
-        let (width, height) = (self.width as f32, self.height as f32);
-        // Folding first keeps the precision of coordinates far from the unit square.
-        let (u, v) = (fold(uv.x, wrap), fold(1.0 - uv.y, wrap));
-        match interpolation {
-            Interpolation::Nearest => self.texel((u * width).floor() as i64, (v * height).floor() as i64, wrap),
-            Interpolation::Bilinear => {
-                let (x, y) = (u * width - 0.5, v * height - 0.5);
-                let (x0, y0) = (x.floor(), y.floor());
-                let (fx, fy) = (x - x0, y - y0);
-                let (column, row) = (x0 as i64, y0 as i64);
-                let texel = |dx: i64, dy: i64| self.texel(column + dx, row + dy, wrap);
-                (texel(0, 0) * (1.0 - fx) + texel(1, 0) * fx) * (1.0 - fy)
-                    + (texel(0, 1) * (1.0 - fx) + texel(1, 1) * fx) * fy
-            }
-        }
-    }
-
-    /// A texel, one that lies up to a whole image outside included.
-    fn texel(&self, column: i64, row: i64, wrap: Wrap) -> T {
-        let inside = |i: i64, size: u32| {
-            let size = i64::from(size);
-            match wrap {
-                Wrap::Repeat => i.rem_euclid(size),
-                Wrap::Clamp => i.clamp(0, size - 1),
-                Wrap::Mirror => {
-                    let i = i.rem_euclid(2 * size);
-                    i.min(2 * size - 1 - i)
-                }
-            }
-        };
-        self.texels[inside(row, self.height) as usize * self.width as usize + inside(column, self.width) as usize]
     }
 }
 
@@ -234,37 +186,13 @@ impl Texture<f32> {
     }
 }
 
-impl Bitmap<f32> {
-    /// Derivatives of the bilinear interpolation by the image coordinates of [`Bitmap::at`].
-    fn gradient(&self, uv: Vec2, wrap: Wrap) -> Vec2 {
-        let (width, height) = (self.width as f32, self.height as f32);
-        let (x, y) = (fold(uv.x, wrap) * width - 0.5, fold(1.0 - uv.y, wrap) * height - 0.5);
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
-        let texel = |dx: i64, dy: i64| self.texel(x0 as i64 + dx, y0 as i64 + dy, wrap);
-        let (t00, t10, t01, t11) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
-        let across = (t10 - t00) * (1.0 - fy) + (t11 - t01) * fy;
-        let down = (t01 - t00) * (1.0 - fx) + (t11 - t10) * fx;
-        // Rows grow downwards, v upwards.
-        Vec2::new(across * width, -down * height)
-    }
-}
-
-/// A coordinate brought near the unit interval: repeating into it, mirroring into the first two units, clamping to its ends.
-fn fold(x: f32, wrap: Wrap) -> f32 {
-    match wrap {
-        Wrap::Repeat => x - x.floor(),
-        Wrap::Mirror => x - 2.0 * (0.5 * x).floor(),
-        Wrap::Clamp => x.clamp(0.0, 1.0),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
-    fn ramp() -> Bitmap<f32> {
-        Bitmap { width: 2, height: 2, texels: vec![1.0, 2.0, 3.0, 4.0] }
+    fn ramp() -> Raster<f32> {
+        Arc::new(Bitmap { width: 2, height: 2, texels: vec![1.0, 2.0, 3.0, 4.0] }).into()
     }
 
     #[test]
@@ -297,7 +225,7 @@ mod tests {
         for i in 0..20u32 {
             texels.push((i.wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32);
         }
-        let bitmap = Arc::new(Bitmap { width: 5, height: 4, texels });
+        let bitmap = Raster::from(Arc::new(Bitmap { width: 5, height: 4, texels }));
         let to_uv = Affine2::from_scale_angle_translation(Vec2::new(1.5, 0.7), 0.4, Vec2::new(0.2, -0.3));
         let step = 1e-3;
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
@@ -325,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_is_constant_by_pieces_has_no_slope() {
-        let bitmap = Arc::new(ramp());
+        let bitmap = ramp();
         let nearest = Texture::Bitmap {
             bitmap,
             interpolation: Interpolation::Nearest,
