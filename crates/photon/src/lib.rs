@@ -1,0 +1,2 @@
+//! Photon maps.
+pub mod kd_tree;
