@@ -88,8 +88,7 @@ mod tests {
         // What is looked for: a spot in either square.
         let hit = |p: Vec2, d: Vec2| (p - 0.3).length() < 0.1 && (d - 0.8).length() < 0.15;
         let exact = std::f64::consts::PI.powi(2) * 0.01 * 0.0225;
-        let pilot: Vec<_> =
-            (0..20_000).map(|_| (pair(), pair(), 1)).filter(|(p, d, _)| hit(*p, *d)).collect();
+        let pilot: Vec<_> = (0..20_000).map(|_| (pair(), pair(), 1)).filter(|(p, d, _)| hit(*p, *d)).collect();
         let aim = Aim::at(&pilot);
         assert!(aim.is_aimed() && !Aim::at(&[]).is_aimed());
         let n = 200_000;

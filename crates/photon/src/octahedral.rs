@@ -15,11 +15,8 @@ impl Octahedral {
     #[inline]
     pub fn new(v: Vec3) -> Octahedral {
         let v = v / (v.x.abs() + v.y.abs() + v.z.abs());
-        let (x, y) = if v.z >= 0.0 {
-            (v.x, v.y)
-        } else {
-            ((1.0 - v.y.abs()).copysign(v.x), (1.0 - v.x.abs()).copysign(v.y))
-        };
+        let (x, y) =
+            if v.z >= 0.0 { (v.x, v.y) } else { ((1.0 - v.y.abs()).copysign(v.x), (1.0 - v.x.abs()).copysign(v.y)) };
         let place = |c: f32| u32::from((c * SCALE).round() as i16 as u16);
         Octahedral(place(x) << 16 | place(y))
     }
@@ -45,9 +42,8 @@ mod tests {
     fn directions_come_back() {
         let mut directions = vec![Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
         let n = 300;
-        directions.extend((0..n * n).map(|i| {
-            sample_sphere((Vec2::new((i % n) as f32, (i / n) as f32) + 0.5) / n as f32)
-        }));
+        directions
+            .extend((0..n * n).map(|i| sample_sphere((Vec2::new((i % n) as f32, (i / n) as f32) + 0.5) / n as f32)));
         for d in directions {
             let back = Octahedral::new(d).vector();
             assert!((back - d).length() < 7e-5, "{d} {back}");

@@ -30,8 +30,7 @@ impl<P: Copy> KdTree<P> {
     /// With more than [`KdTree::LIMIT`] points.
     pub fn new(points: Vec<(Vec3, P)>) -> KdTree<P> {
         assert!(points.len() <= Self::LIMIT, "too many points: {}", points.len());
-        let mut items: Vec<Item> =
-            (0..).zip(&points).map(|(index, (p, _))| Item { p: p.to_array(), index }).collect();
+        let mut items: Vec<Item> = (0..).zip(&points).map(|(index, (p, _))| Item { p: p.to_array(), index }).collect();
         let buckets = points.len().div_ceil(BUCKET);
         let mut tree = KdTree {
             nodes: vec![EMPTY; node_count(buckets)],

@@ -95,10 +95,17 @@ pub(super) fn k_nearest<P>(
     traverse(tree, from, bound(radius), |d2, first, mut bound| {
         let room: &mut [Neighbour; BUCKET] =
             (&mut found[count..count + BUCKET]).try_into().expect("there is room for a bucket");
-        let mut added = 0;
+        let mut near = 0u32;
         for (i, d2) in d2.iter().enumerate() {
-            room[added % BUCKET] = Neighbour::new(*d2, first + i as u32);
-            added += usize::from(*d2 < bound && keep(first + i as u32));
+            near |= u32::from(*d2 < bound) << i;
+        }
+        let mut added = 0;
+        while near != 0 {
+            let i = near.trailing_zeros();
+            near &= near - 1;
+            let index = first + i;
+            room[added % BUCKET] = Neighbour::new(d2[i as usize % BUCKET], index);
+            added += usize::from(keep(index));
         }
         count += added;
         if count > most {
