@@ -44,7 +44,7 @@ fn the_error_falls_as_the_two_thirds_power_of_the_number_of_photons() {
         let options = Options {
             global_photons: photons,
             nearest,
-            radius: 1.0,
+            global_radius: 1.0,
             indirect: IndirectLight::Show,
             kernel: etendue_photon::kernel::Kernel::Disk,
             ..Options::default()

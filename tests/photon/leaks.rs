@@ -49,7 +49,7 @@ fn lit(objects: Vec<Object>, light: DeltaLight, camera: CameraDescription) -> Sc
 /// The brightest pixel of the maps shown as they are, and of the progressive form.
 fn brightest(scene: &SceneDescription, depth: u32) -> [f32; 2] {
     let run = Run::of(scene, Filter::Box, depth);
-    let shown = Options { indirect: IndirectLight::Show, radius: 0.5, ..Options::default() };
+    let shown = Options { indirect: IndirectLight::Show, global_radius: 0.5, ..Options::default() };
     let progressive = ProgressiveOptions { photons: 100.0, nearest: 50, radius: 0.5, alpha: 1.0 };
     let mut techniques: [Box<dyn Technique>; 2] = [
         Box::new(PhotonMapper::new(run.scene.clone(), run.settings, shown)),

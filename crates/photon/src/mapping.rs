@@ -41,8 +41,14 @@ pub static PHOTON: TechniqueInfo = TechniqueInfo {
         },
         Knob { name: "nearest", summary: "photons in an estimate", range: (2.0, 1e5), default: 50.0 },
         Knob {
-            name: "radius",
-            summary: "greatest radius of an estimate, over that of the scene",
+            name: "caustic_radius",
+            summary: "greatest radius of an estimate from the caustic map, over that of the scene",
+            range: (1e-6, 10.0),
+            default: 0.03,
+        },
+        Knob {
+            name: "global_radius",
+            summary: "greatest radius of an estimate from the global map, over that of the scene",
             range: (1e-6, 10.0),
             default: 0.1,
         },
@@ -88,8 +94,10 @@ pub struct Options {
     pub global_photons: u32,
     /// Photons in an estimate, at least 2.
     pub nearest: usize,
-    /// Greatest radius of an estimate, over that of the scene.
-    pub radius: f32,
+    /// Greatest radius of an estimate from the caustic map, over that of the scene.
+    pub caustic_radius: f32,
+    /// The same for the global map.
+    pub global_radius: f32,
     /// Where indirect light comes from.
     pub indirect: IndirectLight,
     /// Irradiance is computed ahead at every so many photons of the global map; 0: it is not.
@@ -112,14 +120,15 @@ impl Options {
             caustic_photons: knobs[0].round() as u32,
             global_photons: knobs[1].round() as u32,
             nearest: knobs[2].round() as usize,
-            radius: knobs[3] as f32,
-            indirect: match knobs[4].round() as u32 {
+            caustic_radius: knobs[3] as f32,
+            global_radius: knobs[4] as f32,
+            indirect: match knobs[5].round() as u32 {
                 0 => IndirectLight::Paths,
                 1 => IndirectLight::Gather,
                 _ => IndirectLight::Show,
             },
-            irradiance_every: knobs[5].round() as usize,
-            kernel: Kernel::ALL[knobs[6].round() as usize],
+            irradiance_every: knobs[6].round() as usize,
+            kernel: Kernel::ALL[knobs[7].round() as usize],
         }
     }
 }
@@ -211,8 +220,10 @@ impl PhotonMapper {
         self.statistics.add_time("photons", start.elapsed());
         let start = Instant::now();
         let ahead = options.irradiance_every > 0 && options.indirect == IndirectLight::Gather;
-        let irradiance =
-            global.as_ref().filter(|_| ahead).map(|map| map.irradiance(options.irradiance_every, &self.gathering()));
+        let irradiance = global
+            .as_ref()
+            .filter(|_| ahead)
+            .map(|map| map.irradiance(options.irradiance_every, &self.gathering(options.global_radius)));
         if irradiance.is_some() {
             self.statistics.add_time("irradiance", start.elapsed());
         }
@@ -246,10 +257,10 @@ impl PhotonMapper {
         PhotonMap::new(traced.photons)
     }
 
-    fn gathering(&self) -> Gathering {
+    fn gathering(&self, radius: f32) -> Gathering {
         Gathering {
             nearest: self.options.nearest,
-            radius: self.options.radius * scene_radius(&self.scene),
+            radius: radius * scene_radius(&self.scene),
             kernel: self.options.kernel,
             parts: self.settings.parts,
             max_depth: self.settings.max_depth,
@@ -261,13 +272,11 @@ impl Technique for PhotonMapper {
     fn pass(&mut self, seed: u64, pass: u32, film: &mut Film) {
         self.prepare(seed);
         let start = Instant::now();
-        let (gathering, width) = (self.gathering(), film.resolution().x);
-        let maps = self.maps.as_ref();
-        fn source(map: Option<&PhotonMap>, gathering: Gathering) -> Option<Source<'_>> {
-            map.map(|map| Source { map, gathering })
-        }
-        let caustics = source(maps.and_then(|maps| maps.caustics.as_ref()), gathering);
-        let global = source(maps.and_then(|maps| maps.global.as_ref()), gathering);
+        let width = film.resolution().x;
+        let source = |map, radius| Some(Source { map, gathering: self.gathering(radius) });
+        let caustics = self.caustic_map().and_then(|map| source(map, self.options.caustic_radius));
+        let global = self.global_map().and_then(|map| source(map, self.options.global_radius));
+        let irradiance = self.maps.as_ref().and_then(|maps| maps.irradiance.as_ref());
         let eye = Eye {
             scene: &self.scene,
             settings: &self.settings,
@@ -275,9 +284,7 @@ impl Technique for PhotonMapper {
             caustics,
             indirect: match self.options.indirect {
                 IndirectLight::Paths => Indirect::Paths,
-                IndirectLight::Gather => {
-                    Indirect::Gather { global, irradiance: maps.and_then(|maps| maps.irradiance.as_ref()) }
-                }
+                IndirectLight::Gather => Indirect::Gather { global, irradiance },
                 IndirectLight::Show => Indirect::Show { global },
             },
         };

@@ -37,7 +37,7 @@ pub static SPPM: TechniqueInfo = TechniqueInfo {
             name: "nearest",
             summary: "photons of the pilot, which has four times those of a pass, in the first radius",
             range: (2.0, 1e5),
-            default: 32.0,
+            default: 10.0,
         },
         Knob {
             name: "radius",
