@@ -14,7 +14,7 @@ use etendue_core::{
     rgb::Rgb,
     scene::{Scene, SceneDescription},
     statistics::special::student_t_quantile,
-    technique::{Settings, TechniqueInfo},
+    technique::{Bias, Settings, TechniqueInfo},
 };
 use etendue_scenes::LoadedScene;
 use glam::UVec2;
@@ -37,6 +37,15 @@ pub fn shared(what: &str) -> Option<PathBuf> {
 /// errors have when they are known exactly.
 pub fn limit(replicates: u64) -> f64 {
     student_t_quantile(1.0 - 3.167e-5, (replicates - 1) as f64)
+}
+
+/// How far the expected image of a technique may be from the true one, relative to it: nothing where there is no bias, else
+/// what photon maps blur over edges and around curves.
+pub fn bias_allowance(technique: &TechniqueInfo) -> f64 {
+    match technique.bias {
+        Bias::Unbiased => 0.0,
+        Bias::Consistent | Bias::Bounded => 0.03,
+    }
 }
 
 /// The techniques that find a spot or a lobe however small: all but light tracing, whose particles land there by chance alone.

@@ -6,7 +6,13 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Every technique that the command line knows.
-pub static TECHNIQUES: &[&TechniqueInfo] = &[&etendue_path::INFO, &etendue_bidir::LIGHT, &etendue_bidir::BIDIR];
+pub static TECHNIQUES: &[&TechniqueInfo] = &[
+    &etendue_path::INFO,
+    &etendue_bidir::LIGHT,
+    &etendue_bidir::BIDIR,
+    &etendue_photon::PHOTON,
+    &etendue_photon::SPPM,
+];
 
 /// The technique of a name.
 pub fn find(name: &str) -> Result<&'static TechniqueInfo, Error> {

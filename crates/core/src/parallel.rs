@@ -40,7 +40,7 @@ pub fn for_ranges(count: u32, run: u32, work: impl Fn(Range<u32>) -> RenderStati
 }
 
 /// Does two things, one beside the other where there are threads for it.
-pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     #[cfg(feature = "parallel")]
     return rayon::join(a, b);
     #[cfg(not(feature = "parallel"))]

@@ -6,9 +6,12 @@
 pub mod ajar_door;
 pub mod cornell;
 pub mod furnace;
+pub mod glass_ball;
 pub mod glass_caustic;
+pub mod glossy_caustic;
 pub mod many_lights;
 mod parts;
+pub mod pool;
 pub mod ring;
 pub mod sky;
 pub mod veach_mis;
@@ -73,6 +76,9 @@ pub fn builtins() -> &'static [Builtin] {
         ajar_door::BUILTIN,
         many_lights::BUILTIN,
         sky::BUILTIN,
+        glass_ball::BUILTIN,
+        glossy_caustic::BUILTIN,
+        pool::BUILTIN,
     ]
 }
 

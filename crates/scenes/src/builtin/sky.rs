@@ -77,7 +77,7 @@ fn brushed_copper() -> Material {
 }
 
 /// A blue sky over grey ground, with a sun that adds `sun` times the sky's irradiance on the ground.
-fn sky_image(width: u32, elevation: f64, sun: f64) -> Bitmap<Rgb> {
+pub(super) fn sky_image(width: u32, elevation: f64, sun: f64) -> Bitmap<Rgb> {
     let height = width / 2;
     let sun_direction =
         DVec3::new(-0.6, 0.0, 0.8) * elevation.to_radians().cos() + DVec3::Y * elevation.to_radians().sin();

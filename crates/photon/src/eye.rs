@@ -1,0 +1,267 @@
+//! Paths from the camera: as in path tracing, but for what photon maps take over.
+//!
+//! A scattering is *wide* where it is by a lobe that is no delta, on a surface that takes photons
+//! ([`is_narrow`](crate::surfaces::is_narrow)); any other is *narrow*. A path that reaches the light by way of narrow
+//! scatterings alone, after a wide one, is a caustic path, and belongs to the caustic map where there is one; paths from here
+//! drop it. Every path is counted once.
+
+use crate::{
+    kd_tree::Neighbours,
+    map::{Estimate, Gathering, IrradianceMap, PhotonMap},
+    surfaces::is_narrow,
+};
+use etendue_core::{
+    bsdf::{Bsdf, Lobe, TransportMode},
+    filter::Filter,
+    geometry::offset::{shadow_ray, spawn_ray},
+    has,
+    lights::DirectSample,
+    mis::power_heuristic,
+    ray::Ray,
+    rgb::Rgb,
+    sampler::{Purpose, Sampler},
+    scene::Scene,
+    statistics::render::Rays,
+    technique::{Part, Settings},
+    walk::{History, SurfaceVertex, Vertex, Walk},
+};
+use glam::{UVec2, Vec2};
+
+/// What a map is asked and how.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source<'a> {
+    pub map: &'a PhotonMap,
+    pub gathering: Gathering,
+}
+
+impl Source<'_> {
+    #[inline]
+    fn reflected<const HAS: u32>(&self, vertex: &SurfaceVertex, found: &mut Neighbours) -> Option<Estimate> {
+        self.map.radiance::<HAS>(vertex, &self.gathering, found)
+    }
+}
+
+/// Where indirect light comes from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Indirect<'a> {
+    /// Paths go on.
+    Paths,
+    /// The second surface that takes photons is asked for what it reflects of the global map.
+    Gather { global: Option<Source<'a>>, irradiance: Option<&'a IrradianceMap> },
+    /// The first one is, for direct light as well.
+    Show { global: Option<Source<'a>> },
+    /// The first one is asked for what it reflects of photons that are scattered before, within the `shrink`-fold radius that
+    /// the pilot's photons suggest.
+    Progressive { photons: Source<'a>, pilot: Source<'a>, shrink: f32 },
+}
+
+/// How pixels are estimated.
+pub(crate) struct Eye<'a> {
+    pub scene: &'a Scene,
+    pub settings: &'a Settings,
+    pub filter: Filter,
+    /// The caustic map, where there is one.
+    pub caustics: Option<Source<'a>>,
+    pub indirect: Indirect<'a>,
+}
+
+/// What maps say of a vertex, and what is left to do there.
+struct Look {
+    reflected: Rgb,
+    /// Whether lights are to be sampled.
+    direct: bool,
+    /// Whether all wide scattering is accounted for.
+    ends: bool,
+}
+
+impl Eye<'_> {
+    /// Whether paths drop caustics.
+    #[inline]
+    fn has_caustics(&self) -> bool {
+        self.caustics.is_some() || matches!(self.indirect, Indirect::Progressive { .. })
+    }
+
+    /// One estimate of a pixel's value.
+    #[inline]
+    pub fn pixel_sample<const HAS: u32>(
+        &self,
+        pixel: UVec2,
+        sampler: &mut dyn Sampler,
+        found: &mut Neighbours,
+        rays: &mut Rays,
+    ) -> Rgb {
+        let (scene, settings) = (self.scene, self.settings);
+        let film = pixel.as_vec2() + 0.5 + self.filter.sample(sampler.get_2d(0, Purpose::Film));
+        let lens = if scene.census().lens { sampler.get_2d(0, Purpose::Lens) } else { Vec2::ZERO };
+        let mut walk = Walk::<HAS>::from_camera(scene, settings.limits(), film, lens);
+        let mut sum = Rgb::BLACK;
+        // Wide scatterings so far, and whether a narrow one has followed the last of them.
+        let (mut wide, mut narrow_since) = (0, false);
+        loop {
+            let counts = !(wide > 0 && narrow_since && self.has_caustics());
+            match walk.trace(rays) {
+                Vertex::Escaped(end) => {
+                    if HAS & has::INFINITE != 0 && counts && settings.parts.contains(seen_part(end.history, true)) {
+                        let (radiance, light_pdf) = scene.lights().environment_radiance_and_pdf(end.direction);
+                        sum += end.beta * radiance * bsdf_weight(end.history, end.pdf_w, light_pdf);
+                    }
+                    return sum;
+                }
+                Vertex::Surface(vertex) => {
+                    if counts && let Some(element) = scene.element(&vertex.surface) {
+                        sum += self.emitted::<HAS>(&vertex, element);
+                    }
+                    if wide > 0 && matches!(self.indirect, Indirect::Progressive { .. }) {
+                        return sum;
+                    }
+                    let narrow = is_narrow::<HAS>(&vertex.bsdf);
+                    let look = if narrow {
+                        Look { reflected: Rgb::BLACK, direct: wide == 0 || !self.has_caustics(), ends: false }
+                    } else {
+                        self.look::<HAS>(&vertex, wide, found)
+                    };
+                    sum += vertex.beta * look.reflected;
+                    if look.direct && !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
+                        sum += self.next_event::<HAS>(&vertex, sampler, rays);
+                    }
+                    if look.ends && (HAS & has::LOBES == 0 || !vertex.bsdf.has_delta()) {
+                        return sum;
+                    }
+                    match walk.go_on(&vertex, sampler) {
+                        None => return sum,
+                        Some(step) if narrow || step.delta => narrow_since |= wide > 0,
+                        Some(_) if look.ends => return sum,
+                        Some(_) => (wide, narrow_since) = (wide + 1, false),
+                    }
+                }
+            }
+        }
+    }
+
+    /// What the maps say of a surface that takes photons.
+    #[inline]
+    fn look<const HAS: u32>(&self, vertex: &SurfaceVertex, wide: u32, found: &mut Neighbours) -> Look {
+        let reflected = |e: Option<Estimate>| e.map_or(Rgb::BLACK, |e| e.radiance);
+        match &self.indirect {
+            Indirect::Show { global } => {
+                Look { reflected: reflected(ask::<HAS>(global, vertex, found)), direct: false, ends: true }
+            }
+            Indirect::Progressive { photons, pilot, shrink } => {
+                let radius = pilot.map.reach::<HAS>(vertex, &pilot.gathering, found) * shrink;
+                let estimate = photons.map.radiance_within::<HAS>(vertex, &photons.gathering, radius);
+                Look { reflected: reflected(estimate), direct: true, ends: false }
+            }
+            Indirect::Gather { global, irradiance } if wide > 0 => {
+                let estimate = match (lambert(vertex), irradiance) {
+                    (Some(reflectance), Some(map)) => map.radiance(vertex, reflectance, found),
+                    _ => ask::<HAS>(global, vertex, found),
+                };
+                // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
+                // [Jensen 1996, sec. 4.2].
+                let near = |e: &Estimate| vertex.from.distance_squared(vertex.surface.p) < e.radius * e.radius;
+                if wide == 1 && estimate.as_ref().is_some_and(near) {
+                    let caustics = reflected(ask::<HAS>(&self.caustics, vertex, found));
+                    return Look { reflected: caustics, direct: true, ends: false };
+                }
+                Look { reflected: reflected(estimate), direct: false, ends: true }
+            }
+            _ => Look { reflected: reflected(ask::<HAS>(&self.caustics, vertex, found)), direct: true, ends: false },
+        }
+    }
+
+    /// Light that the vertex itself emits towards the path.
+    #[inline]
+    fn emitted<const HAS: u32>(&self, vertex: &SurfaceVertex, element: u32) -> Rgb {
+        let radiance = self.scene.lights().emitted::<HAS>(element, &vertex.surface, vertex.wo);
+        if radiance.is_black() || !self.settings.parts.contains(seen_part(vertex.history, false)) {
+            return Rgb::BLACK;
+        }
+        let surface = &vertex.surface;
+        let light_pdf = self.scene.lights().pdf_direct(element, vertex.from, surface.p, surface.ng, -vertex.wo);
+        vertex.beta * radiance * bsdf_weight(vertex.history, vertex.pdf_w, light_pdf)
+    }
+
+    /// Light that reaches the vertex from a sampled point of a sampled light.
+    #[inline]
+    fn next_event<const HAS: u32>(&self, vertex: &SurfaceVertex, sampler: &mut dyn Sampler, rays: &mut Rays) -> Rgb {
+        let u_choice = sampler.get_1d(vertex.depth, Purpose::LightChoice);
+        let u = sampler.get_2d(vertex.depth, Purpose::LightPoint);
+        let sampled = self.scene.lights().sample_direct::<HAS>(vertex.surface.p, u_choice, u);
+        let Some(light) = sampled else { return Rgb::BLACK };
+        if !self.settings.parts.contains(sampled_part(vertex.history, &light)) {
+            return Rgb::BLACK;
+        }
+        let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
+        if f_cos.is_black() {
+            return Rgb::BLACK;
+        }
+        rays.shadow += 1;
+        if self.scene.occluded::<HAS>(&light_ray(vertex, &light)) {
+            return Rgb::BLACK;
+        }
+        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, bsdf_pdf) };
+        let arriving = if HAS & has::MEDIA == 0 {
+            light.radiance
+        } else {
+            let distance = if light.infinite { f32::INFINITY } else { light.target.distance(vertex.surface.p) };
+            light.radiance * vertex.transmittance::<HAS>(self.scene, light.wi, distance)
+        };
+        vertex.beta * f_cos * arriving * (weight / light.pdf_w)
+    }
+}
+
+/// Asks a map, if there is one.
+#[inline]
+fn ask<const HAS: u32>(source: &Option<Source>, vertex: &SurfaceVertex, found: &mut Neighbours) -> Option<Estimate> {
+    source.as_ref()?.reflected::<HAS>(vertex, found)
+}
+
+/// The albedo of a surface that shows irradiance alone.
+#[inline]
+fn lambert(vertex: &SurfaceVertex) -> Option<Rgb> {
+    match vertex.bsdf {
+        Bsdf { first: Lobe::Lambert { reflectance }, second: None, two_sided } if vertex.tilt.is_none() => {
+            Some(if two_sided || vertex.wo_local.z > 0.0 { reflectance } else { Rgb::BLACK })
+        }
+        _ => None,
+    }
+}
+
+/// The weight of a path whose last direction was sampled from the BSDF (or the camera): 1 where sampling the lights could
+/// not have found it.
+#[inline]
+fn bsdf_weight(history: History, bsdf_pdf: f32, light_pdf: f32) -> f32 {
+    if history.last_delta || history.rough == 0 { 1.0 } else { power_heuristic(bsdf_pdf, light_pdf) }
+}
+
+/// The part of the light that a path belongs to that ran into a light.
+#[inline]
+fn seen_part(history: History, infinite: bool) -> Part {
+    match history {
+        History { rough: 0, .. } => Part::Emission,
+        History { last_delta: true, .. } => Part::Caustic,
+        History { rough: 1, .. } if infinite => Part::Environment,
+        History { rough: 1, .. } => Part::Direct,
+        _ => Part::Indirect,
+    }
+}
+
+/// The part of the light that a path belongs to that ends in a sampled light.
+#[inline]
+fn sampled_part(history: History, light: &DirectSample) -> Part {
+    match (history.rough, light.infinite && !light.delta) {
+        (0, true) => Part::Environment,
+        (0, false) => Part::Direct,
+        _ => Part::Indirect,
+    }
+}
+
+/// The ray that tests whether a sampled light is visible.
+#[inline]
+fn light_ray(vertex: &SurfaceVertex, light: &DirectSample) -> Ray {
+    if light.infinite {
+        spawn_ray(&vertex.surface, light.wi)
+    } else {
+        shadow_ray(&vertex.surface, light.target, light.target_error, light.target_normal)
+    }
+}

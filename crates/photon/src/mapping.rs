@@ -1,0 +1,314 @@
+//! Photon mapping.
+
+use crate::{
+    aim::Aim,
+    eye::{Eye, Indirect, Source},
+    kd_tree::Neighbours,
+    kernel::Kernel,
+    map::{Gathering, IrradianceMap, PhotonMap},
+    surfaces::has_caustics,
+    trace::{Job, Store},
+    variants::specialise,
+};
+use etendue_core::{
+    film::Film,
+    scene::Scene,
+    statistics::render::RenderStatistics,
+    technique::{Bias, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
+};
+use std::{sync::Arc, time::Instant};
+
+/// Photon mapping as it is registered.
+pub static PHOTON: TechniqueInfo = TechniqueInfo {
+    name: "photon",
+    summary: "photon mapping: caustics from a photon map, indirect light by final gathering over another",
+    paper: "Jensen 1996, 2001; Christensen 1999",
+    bias: Bias::Bounded,
+    covers: Parts::ALL,
+    blind_spots: "point, spot and directional lights seen through mirrors or glass",
+    knobs: &[
+        Knob {
+            name: "caustic_photons",
+            summary: "photons in the caustic map, about; 0: caustics are left to paths",
+            range: (0.0, 1e8),
+            default: 50_000.0,
+        },
+        Knob {
+            name: "global_photons",
+            summary: "photons in the global map, about",
+            range: (0.0, 1e8),
+            default: 20_000.0,
+        },
+        Knob { name: "nearest", summary: "photons in an estimate", range: (2.0, 1e5), default: 50.0 },
+        Knob {
+            name: "caustic_radius",
+            summary: "greatest radius of an estimate from the caustic map, over that of the scene",
+            range: (1e-6, 10.0),
+            default: 0.03,
+        },
+        Knob {
+            name: "global_radius",
+            summary: "greatest radius of an estimate from the global map, over that of the scene",
+            range: (1e-6, 10.0),
+            default: 0.1,
+        },
+        Knob {
+            name: "indirect",
+            summary: "indirect light: 0 by paths, 1 by final gathering, 2 the global map shown as it is",
+            range: (0.0, 2.0),
+            default: 1.0,
+        },
+        Knob {
+            name: "irradiance",
+            summary: "irradiance is computed ahead at every so many photons; 0: it is not",
+            range: (0.0, 1e4),
+            default: 4.0,
+        },
+        Knob {
+            name: "kernel",
+            summary: "how photons count by distance: 0 alike, 1 a cone, 2 a Gaussian",
+            range: (0.0, 2.0),
+            default: 1.0,
+        },
+    ],
+    build: |scene, settings, knobs| Box::new(PhotonMapper::new(scene, settings, Options::from_knobs(knobs))),
+};
+
+/// Where indirect light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndirectLight {
+    /// Paths go on to the end: maps are for caustics alone.
+    Paths,
+    /// Final gathering: one more edge of a path, and what the global map says at its end.
+    Gather,
+    /// The global map where the camera sees it, direct light included.
+    Show,
+}
+
+/// Settings of photon mapping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Photons in the caustic map, about; 0: no map, and caustics are left to paths.
+    pub caustic_photons: u32,
+    /// Photons in the global map, about.
+    pub global_photons: u32,
+    /// Photons in an estimate, at least 2.
+    pub nearest: usize,
+    /// Greatest radius of an estimate from the caustic map, over that of the scene.
+    pub caustic_radius: f32,
+    /// The same for the global map.
+    pub global_radius: f32,
+    /// Where indirect light comes from.
+    pub indirect: IndirectLight,
+    /// Irradiance is computed ahead at every so many photons of the global map; 0: it is not.
+    pub irradiance_every: usize,
+    /// How photons count by distance.
+    pub kernel: Kernel,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        let defaults: Vec<f64> = PHOTON.knobs.iter().map(|k| k.default).collect();
+        Options::from_knobs(&defaults)
+    }
+}
+
+impl Options {
+    /// From values of the knobs of [`PHOTON`], in order.
+    pub fn from_knobs(knobs: &[f64]) -> Options {
+        Options {
+            caustic_photons: knobs[0].round() as u32,
+            global_photons: knobs[1].round() as u32,
+            nearest: knobs[2].round() as usize,
+            caustic_radius: knobs[3] as f32,
+            global_radius: knobs[4] as f32,
+            indirect: match knobs[5].round() as u32 {
+                0 => IndirectLight::Paths,
+                1 => IndirectLight::Gather,
+                _ => IndirectLight::Show,
+            },
+            irradiance_every: knobs[6].round() as usize,
+            kernel: Kernel::ALL[knobs[7].round() as usize],
+        }
+    }
+}
+
+/// Sets of photons of a seed ([`Job::set`]): numbers that no pixel has.
+const CAUSTIC_PILOT: u32 = u32::MAX;
+const CAUSTIC: u32 = u32::MAX - 1;
+const GLOBAL_PILOT: u32 = u32::MAX - 2;
+const GLOBAL: u32 = u32::MAX - 3;
+
+/// Emissions of a pilot.
+const PILOT: u32 = 1 << 14;
+/// Most emissions for a photon that is wanted: where hardly any arrive, hardly any are traced.
+const MOST_EMISSIONS: f64 = 64.0;
+
+/// Half the diagonal of what is visible, metres; 0 where nothing is.
+pub(crate) fn scene_radius(scene: &Scene) -> f32 {
+    scene.geometry().bounds().map_or(0.0, |(low, high)| 0.5 * low.distance(high))
+}
+
+/// The maps of a seed.
+struct Maps {
+    seed: u64,
+    caustics: Option<PhotonMap>,
+    global: Option<PhotonMap>,
+    irradiance: Option<IrradianceMap>,
+}
+
+impl Maps {
+    fn memory_bytes(&self) -> u64 {
+        let maps = [&self.caustics, &self.global].into_iter().flatten();
+        maps.map(PhotonMap::memory_bytes).sum::<u64>() + self.irradiance.as_ref().map_or(0, |i| i.tree.memory_bytes())
+    }
+}
+
+/// The photon mapper.
+///
+/// Maps are made by the first pass of a seed, and serve all its passes.
+pub struct PhotonMapper {
+    scene: Arc<Scene>,
+    settings: Settings,
+    options: Options,
+    maps: Option<Maps>,
+    statistics: RenderStatistics,
+}
+
+impl PhotonMapper {
+    /// A photon mapper for a scene; maps are made when they are needed.
+    pub fn new(scene: Arc<Scene>, settings: Settings, options: Options) -> PhotonMapper {
+        let statistics = RenderStatistics { memory_bytes: scene.memory_bytes(), ..RenderStatistics::default() };
+        PhotonMapper { scene, settings, options, maps: None, statistics }
+    }
+
+    /// The photons of the caustic map of the last seed, if there is a map.
+    pub fn caustic_map(&self) -> Option<&PhotonMap> {
+        self.maps.as_ref()?.caustics.as_ref()
+    }
+
+    /// The photons of the global map of the last seed, if there is a map.
+    pub fn global_map(&self) -> Option<&PhotonMap> {
+        self.maps.as_ref()?.global.as_ref()
+    }
+
+    /// Makes the maps of a seed, if they are not there yet.
+    pub fn prepare(&mut self, seed: u64) {
+        if self.maps.as_ref().is_some_and(|maps| maps.seed == seed) {
+            return;
+        }
+        let start = Instant::now();
+        let wanted = |part| self.settings.parts.contains(part);
+        let indirect = wanted(Part::Indirect) || wanted(Part::Caustic);
+        // A light, a surface in between, one that takes photons, and the camera.
+        let far_enough = self.settings.max_depth >= 3;
+        let options = self.options;
+        let caustics = has_caustics(self.scene.census())
+            && options.indirect != IndirectLight::Show
+            && options.caustic_photons > 0
+            && indirect
+            && far_enough;
+        let global = options.global_photons > 0
+            && match options.indirect {
+                IndirectLight::Paths => false,
+                IndirectLight::Gather => indirect && far_enough,
+                IndirectLight::Show => indirect || wanted(Part::Direct) || wanted(Part::Environment),
+            };
+        let caustics =
+            caustics.then(|| self.map(seed, Store::Caustic, options.caustic_photons, [CAUSTIC_PILOT, CAUSTIC]));
+        let global = global.then(|| self.map(seed, Store::All, options.global_photons, [GLOBAL_PILOT, GLOBAL]));
+        self.statistics.add_time("photons", start.elapsed());
+        let start = Instant::now();
+        let ahead = options.irradiance_every > 0 && options.indirect == IndirectLight::Gather;
+        let irradiance = global
+            .as_ref()
+            .filter(|_| ahead)
+            .map(|map| map.irradiance(options.irradiance_every, &self.gathering(options.global_radius)));
+        if irradiance.is_some() {
+            self.statistics.add_time("irradiance", start.elapsed());
+        }
+        let maps = Maps { seed, caustics, global, irradiance };
+        self.statistics.memory_bytes = self.scene.memory_bytes() + maps.memory_bytes();
+        self.maps = Some(maps);
+    }
+
+    /// A map of about so many photons: a pilot tells how many have to be emitted, and for caustics where to.
+    fn map(&mut self, seed: u64, store: Store, photons: u32, sets: [u32; 2]) -> PhotonMap {
+        let (scene, unaimed) = (&*self.scene, Aim::default());
+        // Photons for final gathering are a path's further edge away from the camera.
+        let max_depth = match (store, self.options.indirect) {
+            (Store::All, IndirectLight::Gather) => self.settings.max_depth - 1,
+            _ => self.settings.max_depth,
+        };
+        let settings = &Settings { max_depth, ..self.settings };
+        let pilot = Job { scene, settings, store, aim: &unaimed, seed, set: sets[0], emitted: PILOT.min(photons) };
+        let (fruitful, counted) = specialise!(scene.has(), HAS => pilot.pilot::<HAS>());
+        self.statistics.merge(&counted);
+        let aim = if store == Store::Caustic { Aim::at(&fruitful) } else { Aim::default() };
+        // What an aimed emission yields, seen from the pilot's.
+        let stored: f64 = fruitful.iter().map(|f| f64::from(f.2) * f64::from(aim.density(f.0, f.1))).sum();
+        let emitted = match f64::from(photons) * f64::from(pilot.emitted) / stored {
+            n if stored > 0.0 => n.min(MOST_EMISSIONS * f64::from(photons)),
+            _ => MOST_EMISSIONS * f64::from(pilot.emitted),
+        };
+        let job = Job { aim: &aim, set: sets[1], emitted: emitted.clamp(1.0, f64::from(u32::MAX)) as u32, ..pilot };
+        let traced = specialise!(scene.has(), HAS => job.trace::<HAS>());
+        self.statistics.merge(&traced.statistics);
+        PhotonMap::new(traced.photons)
+    }
+
+    fn gathering(&self, radius: f32) -> Gathering {
+        Gathering {
+            nearest: self.options.nearest,
+            radius: radius * scene_radius(&self.scene),
+            kernel: self.options.kernel,
+            parts: self.settings.parts,
+            max_depth: self.settings.max_depth,
+        }
+    }
+}
+
+impl Technique for PhotonMapper {
+    fn pass(&mut self, seed: u64, pass: u32, film: &mut Film) {
+        self.prepare(seed);
+        let start = Instant::now();
+        let width = film.resolution().x;
+        let source = |map, radius| Some(Source { map, gathering: self.gathering(radius) });
+        let caustics = self.caustic_map().and_then(|map| source(map, self.options.caustic_radius));
+        let global = self.global_map().and_then(|map| source(map, self.options.global_radius));
+        let irradiance = self.maps.as_ref().and_then(|maps| maps.irradiance.as_ref());
+        let eye = Eye {
+            scene: &self.scene,
+            settings: &self.settings,
+            filter: film.filter(),
+            caustics,
+            indirect: match self.options.indirect {
+                IndirectLight::Paths => Indirect::Paths,
+                IndirectLight::Gather => Indirect::Gather { global, irradiance },
+                IndirectLight::Show => Indirect::Show { global },
+            },
+        };
+        let settings = &self.settings;
+        let counted = specialise!(self.scene.has(), HAS => film.add_pass(
+            PHOTON.name,
+            pass,
+            || ((settings.sampler)(seed, settings.planned_passes), Neighbours::default()),
+            |(sampler, found), pixel, statistics| {
+                sampler.start_pixel(pixel, width, pass);
+                eye.pixel_sample::<HAS>(pixel, &mut **sampler, found, &mut statistics.rays)
+            },
+        ));
+        self.statistics.merge(&counted);
+        self.statistics.add_time("passes", start.elapsed());
+    }
+
+    fn statistics(&self) -> &RenderStatistics {
+        &self.statistics
+    }
+
+    fn next_frame(&mut self, scene: Arc<Scene>) {
+        self.statistics.memory_bytes = scene.memory_bytes();
+        self.scene = scene;
+        self.maps = None;
+    }
+}

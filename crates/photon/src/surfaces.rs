@@ -1,0 +1,34 @@
+//! Which surfaces take photons.
+
+use etendue_core::{
+    bsdf::{Bsdf, Lobe},
+    effects::{Census, LobeKind, NARROW_ALPHA},
+    has,
+};
+
+/// Whether a surface scatters by delta lobes and lobes of a roughness of at most [`NARROW_ALPHA`] alone: paths are led on over
+/// it, and photons are not stored, for too few of them arrive from where it looks.
+#[inline]
+pub fn is_narrow<const HAS: u32>(bsdf: &Bsdf) -> bool {
+    HAS & has::LOBES != 0 && is_narrow_lobe(&bsdf.first) && bsdf.second.is_none_or(|(lobe, _)| is_narrow_lobe(&lobe))
+}
+
+#[inline]
+fn is_narrow_lobe(lobe: &Lobe) -> bool {
+    match lobe {
+        Lobe::RoughConductor { roughness, .. } | Lobe::RoughDielectric { roughness, .. } => {
+            roughness.alpha.min_element() <= NARROW_ALPHA || lobe.is_delta()
+        }
+        _ => lobe.is_delta(),
+    }
+}
+
+/// Whether light can reach a surface that takes photons by way of one that does not: else no caustic photon is traced.
+pub fn has_caustics(census: &Census) -> bool {
+    // Light that passes the holes of a mask has been scattered by a delta lobe, as far as paths are concerned.
+    census.has_caustics() || census.is_lit() && census.lobes.iter().any(|l| l.kind == LobeKind::Null)
+}
+
+/// The smallest cosine between the normals of a surface and of a photon's for the photon to count there: photons from around
+/// a corner, or from the other side of a thin wall, do not.
+pub const LEAST_COS: f32 = 0.7;
