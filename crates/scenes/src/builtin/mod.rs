@@ -4,9 +4,11 @@
 //! until somebody asks for more.
 
 pub mod ajar_door;
+pub mod bumpy;
 pub mod cornell;
 pub mod furnace;
 pub mod glass_caustic;
+pub mod hidden_lights;
 pub mod many_lights;
 mod parts;
 pub mod ring;
@@ -73,6 +75,8 @@ pub fn builtins() -> &'static [Builtin] {
         ajar_door::BUILTIN,
         many_lights::BUILTIN,
         sky::BUILTIN,
+        hidden_lights::BUILTIN,
+        bumpy::BUILTIN,
     ]
 }
 
