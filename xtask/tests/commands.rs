@@ -243,8 +243,9 @@ fn a_pyramid_adds_up_to_the_image() {
             assert!(weighted.g >= 0.0 && weighted.g <= unweighted.g * 1.0001, "{v}");
             *sum += weighted.g;
         }
-        // Wherever light is, every strategy but those through the open front finds some of it alone.
-        assert!(v["unweighted_mean"].as_f64().unwrap() > 0.0 && v["weighted_mean"].as_f64().unwrap() > 0.0, "{v}");
+        // Every strategy finds light alone; the lamp itself may lie between these few samples.
+        let found = ["unweighted_mean", "weighted_mean"].iter().all(|mean| v[mean].as_f64().unwrap() > 0.0);
+        assert!(found || v["edges"] == 1, "{v}");
     }
     // These are the paths of the technique.
     let arguments = [&["render", "cornell", "--technique", "bidir"][..], &tiny, &["--out", "image.exr"]].concat();

@@ -33,11 +33,13 @@ pub(super) const BUILTIN: Builtin = Builtin {
 fn build(values: &Values) -> LoadedScene {
     let mut stage = Stage::new("bumpy", DVec3::new(0.0, 1.9, 4.6), DVec3::new(0.0, 0.55, 0.0), 40.0);
     let floor = stage.lambert("floor", [0.5, 0.48, 0.45]);
+    let wall = stage.lambert("wall", [0.3, 0.34, 0.4]);
     let clay = stage.lambert("clay", [0.72, 0.62, 0.55]);
     let dark = stage.lambert("dark", [0.0; 3]);
     let bronze = stage.material("bronze", rough_metal([0.8, 0.58, 0.36], 0.25));
     let glass = stage.material("glass", glass());
-    stage.quad("floor", [[-3.0, 0.0, -2.5], [-3.0, 0.0, 2.5], [3.0, 0.0, 2.5], [3.0, 0.0, -2.5]], floor);
+    stage.quad("floor", [[-4.0, 0.0, -3.2], [-4.0, 0.0, 3.0], [4.0, 0.0, 3.0], [4.0, 0.0, -3.2]], floor);
+    stage.quad("wall", [[-4.0, 0.0, -3.2], [4.0, 0.0, -3.2], [4.0, 3.5, -3.2], [-4.0, 3.5, -3.2]], wall);
     let (rings, bumps) = (values.integer("rings"), values.number("bumps"));
     stage.mesh("clay ball", ball(DVec3::new(-1.15, 0.62, 0.0), 0.55, rings, bumps), clay);
     stage.mesh("bronze ball", ball(DVec3::new(0.1, 0.62, -0.55), 0.55, rings, bumps), bronze);
@@ -47,7 +49,7 @@ fn build(values: &Values) -> LoadedScene {
     for (name, place, radius, radiance) in [
         ("light from the left", DVec3::new(-2.6, 2.4, 1.2), 0.3, Rgb::new(24.0, 16.0, 9.0)),
         ("light from the right", DVec3::new(2.7, 2.2, 0.6), 0.35, Rgb::new(8.0, 12.0, 18.0)),
-        ("light from behind", DVec3::new(0.2, 1.3, -2.4), 0.3, Rgb::new(16.0, 16.0, 16.0)),
+        ("light from behind", DVec3::new(0.5, 2.1, -2.5), 0.3, Rgb::new(16.0, 16.0, 16.0)),
     ] {
         stage.sphere(name, place, radius, dark).emission = Some(radiance.into());
     }
