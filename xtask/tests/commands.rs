@@ -243,9 +243,9 @@ fn a_pyramid_adds_up_to_the_image() {
             assert!(weighted.g >= 0.0 && weighted.g <= unweighted.g * 1.0001, "{v}");
             *sum += weighted.g;
         }
-        // Every strategy finds light alone; the lamp itself may lie between these few samples.
+        // Every strategy finds light alone, but so few samples may all miss the lamp.
         let found = ["unweighted_mean", "weighted_mean"].iter().all(|mean| v[mean].as_f64().unwrap() > 0.0);
-        assert!(found || v["edges"] == 1, "{v}");
+        assert!(found || v["s"] == 0, "{v}");
     }
     // These are the paths of the technique.
     let arguments = [&["render", "cornell", "--technique", "bidir"][..], &tiny, &["--out", "image.exr"]].concat();
