@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the READMEs: 45 seconds of rendering for each of the eight built-in scenes.
+# Makes the pictures of the READMEs: 45 seconds of rendering for each of eight built-in scenes.
 # SECONDS_EACH sets another time. Needs cargo alone.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -17,7 +17,7 @@ use etendue_core::{
     technique::{Part, Parts, TechniqueInfo},
     walk::{Limits, Vertex, Walk},
 };
-use etendue_tests::Run;
+use etendue_tests::{Run, shared};
 use glam::{UVec2, Vec2};
 use scenes::{every_light, every_material};
 
@@ -126,6 +126,8 @@ fn in_the_built_in_scenes() {
         ("veach-mis", 24),
         ("sky", 24),
         ("ajar-door", 16),
+        ("bumpy", 16),
+        ("bumpy:rings=4,bumps=0.3", 16),
     ] {
         agree(spec, &Run::builtin(spec, 16), n);
     }
@@ -134,15 +136,15 @@ fn in_the_built_in_scenes() {
 /// Caustics that a path tracer finds often enough for a test: those of large lights.
 #[test]
 fn caustics_of_large_lights() {
-    for spec in ["glass-caustic:light=0.5", "ring:light=0.5"] {
-        agree(spec, &Run::builtin(spec, 24), 8);
+    for (spec, n) in [("glass-caustic:light=0.5", 8), ("ring:light=0.5", 8), ("hidden-lights:light=0.08", 24)] {
+        agree(spec, &Run::builtin(spec, 24), n);
     }
 }
 
 /// Caustics of small lights, where the two that look for them from the lights agree, and everything else.
 #[test]
 fn caustics_of_small_lights() {
-    for spec in ["glass-caustic", "ring"] {
+    for spec in ["glass-caustic", "ring", "hidden-lights"] {
         // The ring is seen in all but small tiles.
         let mut run = Run::builtin(spec, 40);
         run.settings.parts = Parts::NONE.with(Part::Emission).with(Part::Direct);
@@ -153,6 +155,17 @@ fn caustics_of_small_lights() {
         let (light, bidir) = (images(&run, &LIGHT, 300, 2 * n), images(&run, &BIDIR, 400, n));
         hold(&format!("{spec}, caustics, light and bidir"), &run, &light, &bidir, |i| plain[i]);
     }
+}
+
+/// A scene of a user's, if it is there: two lamps that shine out of shades, a glass egg on a table.
+#[test]
+fn on_veach_bidir() {
+    let Some(folder) = shared("scenes/veach-bidir") else { return };
+    let file = folder.join("scene.xml");
+    let mut loaded = etendue_scenes::load(file.to_str().expect("a UTF-8 path")).expect("the scene loads");
+    let camera = loaded.description.camera.as_mut().expect("a camera");
+    camera.resolution = UVec2::new(24, 24 * camera.resolution.y / camera.resolution.x);
+    agree("veach-bidir", &Run::new(&loaded), 24);
 }
 
 /// A described scene.

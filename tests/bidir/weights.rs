@@ -227,6 +227,9 @@ fn weights_are_those_of_all_densities_in_the_built_in_scenes() {
         "ajar-door",
         "many-lights:n=16",
         "sky",
+        "hidden-lights",
+        "bumpy",
+        "bumpy:rings=4,bumps=0.3",
     ] {
         // They all have a pinhole; its field of view is not asked for.
         check_all(spec, &Run::builtin(spec, 8), Projection::Perspective { fov_x: 1.0 });

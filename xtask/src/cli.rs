@@ -1,7 +1,11 @@
 //! The command line's grammar.
 
-use crate::job::{Size, Wish};
+use crate::{
+    job::{Size, Wish},
+    study::region::Region,
+};
 use clap::{Args, Parser, Subcommand};
+use etendue_bidir::weights::Heuristic;
 use etendue_scenes::LoadOptions;
 use std::path::PathBuf;
 
@@ -21,6 +25,8 @@ pub enum Command {
     Study(StudyArgs),
     /// Render a scene to an OpenEXR file and a PNG beside it.
     Render(RenderArgs),
+    /// Show what each strategy of bidirectional path tracing contributes.
+    Pyramid(PyramidArgs),
     /// Add films that were rendered apart, exactly.
     Merge(MergeArgs),
     /// Compare an image with a reference.
@@ -168,6 +174,49 @@ impl RenderArgs {
     }
 }
 
+/// Arguments of `pyramid`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  cargo xtask pyramid hidden-lights
+  cargo xtask pyramid glass-caustic --depth 5 --passes 256 --out caustic.exr
+  cargo xtask pyramid scene.xml --size 256 --heuristic balance --seed 1
+
+A strategy makes s vertices of a path from a light and t from the camera. The OpenEXR file holds the image and, for each
+strategy, the layers sXtY.unweighted (unbiased alone wherever it can make every path) and sXtY.weighted (its share; all
+add up to the image). Beside it stands a PNG with two pyramids, without weights above and with them below: a row for each
+number of edges, s from 0 on the left; a row has the exposure of what its weighted images add up to.")]
+pub struct PyramidArgs {
+    /// A built-in scene with its parameters (`many-lights:n=4096`), or a file
+    pub scene: String,
+    /// Size in pixels; one number is the longer side, in the scene's own shape
+    #[arg(long, value_name = "WxH|N")]
+    pub size: Option<Size>,
+    /// Longest path, as Mitsuba counts, and number of rows
+    #[arg(long, default_value_t = 6, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub depth: u32,
+    /// How the scene is loaded.
+    #[command(flatten)]
+    pub load: LoadArgs,
+    /// How strategies share a path: balance, power or maximum
+    #[arg(long, default_value = "power", value_name = "NAME", value_parser = heuristic)]
+    pub heuristic: Heuristic,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// Passes, each a pair of paths a pixel
+    #[arg(long, default_value_t = 64, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub passes: u32,
+    /// Threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// The OpenEXR file to write [default: SCENE-pyramid.exr, in the current folder]
+    #[arg(long, value_name = "FILE.exr")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `merge`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -217,6 +266,7 @@ pub struct CompareArgs {
   cargo xtask study                                             (a quick look, within three minutes)
   cargo xtask study --scenes cornell,sky --seconds 30 --replicates 8 --out study
   cargo xtask study --scenes scene.xml --reference truth.exr
+  cargo xtask study --scenes ring --techniques path,bidir --region caustic:0.2
   open study/report.html
 
 Results are kept in OUT as they come. Interrupted and started again with the same arguments, a study goes on where it
@@ -252,6 +302,10 @@ pub struct StudyArgs {
     /// The reference of the one scene that is studied; sets the size unless --size does
     #[arg(long, value_name = "FILE.exr")]
     pub reference: Option<PathBuf>,
+    /// Measure errors only in pixels of which this part of the light is more than this share (emission, direct, environment,
+    /// caustic, indirect); where it is, 64 passes of bidirectional path tracing tell
+    #[arg(long, value_name = "PART:SHARE")]
+    pub region: Option<Region>,
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,
@@ -264,11 +318,14 @@ pub const QUICK_SCENES: [&str; 4] = ["cornell", "veach-mis", "sky", "many-lights
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   cargo xtask reference                                    (every built-in scene, a minute each)
-  cargo xtask reference --scenes ring,ajar-door --seconds 600
+  cargo xtask reference --scenes ring,glass-caustic --technique bidir --seconds 600
   cargo xtask reference --scenes cornell --passes 4096 --size 256
 
 Writes SCENE.exr with the mean (R, G, B) and the variance of the mean (variance.R, ..), and an entry in reference.json.")]
 pub struct ReferenceArgs {
+    /// Technique: one that finds all that the scene's light does
+    #[arg(long, default_value = "path", value_name = "NAME")]
+    pub technique: String,
     /// Scenes [default: every built-in one]
     #[arg(long, value_delimiter = ',', value_name = "SCENE,..")]
     pub scenes: Vec<String>,
@@ -347,6 +404,10 @@ fn positive_seconds(text: &str) -> Result<f64, String> {
         Ok(s) if s > 0.0 && s.is_finite() => Ok(s),
         _ => Err("not a positive number of seconds".into()),
     }
+}
+
+fn heuristic(text: &str) -> Result<Heuristic, String> {
+    Heuristic::ALL.into_iter().find(|h| h.name() == text).ok_or_else(|| "not one of balance, power, maximum".into())
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ pub mod listing;
 pub mod merge;
 pub mod picture;
 pub mod progress;
+pub mod pyramid;
 pub mod reference;
 pub mod render;
 pub mod report;

@@ -8,6 +8,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Study(args) => xtask::study::run(&args),
         Command::Render(args) => xtask::render::run(&args),
+        Command::Pyramid(args) => xtask::pyramid::run(&args),
         Command::Merge(args) => xtask::merge::run(&args),
         Command::Compare(args) => xtask::compare::run(&args),
         Command::Reference(args) => xtask::reference::run(&args),

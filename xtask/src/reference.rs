@@ -17,6 +17,7 @@ use etendue_core::rgb::Rgb;
 use etendue_scenes::LoadOptions;
 use serde::{Deserialize, Serialize};
 use std::{
+    borrow::Cow,
     collections::BTreeMap,
     path::{Path, PathBuf},
     process::Command,
@@ -26,6 +27,8 @@ use std::{
 pub const DEFAULT_SIZE: Size = Size::Longest(128);
 /// Prefix of the channels that hold the variance of the mean.
 const VARIANCE: &str = "variance.";
+/// Channel that is 1 in the pixels that errors are measured in.
+const REGION: &str = "region";
 /// Which of the seeds drawn from a seed is the references': one past the replicates', whose numbers have 32 bits.
 const SEED_INDEX: u64 = 1 << 32;
 /// Seconds a scene when nothing is said.
@@ -69,6 +72,8 @@ pub struct Reference {
     pub picture: Picture,
     /// Variance of each pixel's mean, if known.
     pub variance: Option<Vec<Rgb>>,
+    /// Which pixels errors are measured in; all without it.
+    pub region: Option<Vec<bool>>,
 }
 
 impl Reference {
@@ -81,7 +86,8 @@ impl Reference {
             let reason = format!("is no reference: pixel ({x}, {y}) is not finite");
             return Err(Error::Content { path: path.into(), reason });
         }
-        Ok(Reference { picture, variance: file.layer(VARIANCE) })
+        let region = file.channels.get(REGION).map(|values| values.iter().map(|v| *v > 0.0).collect());
+        Ok(Reference { picture, variance: file.layer(VARIANCE), region })
     }
 
     /// Writes image and variance.
@@ -90,35 +96,52 @@ impl Reference {
         if let Some(variance) = &self.variance {
             file.add_layer(VARIANCE, variance.iter().map(|v| v.to_array()));
         }
+        if let Some(region) = &self.region {
+            file.channels.insert(REGION.into(), region.iter().map(|inside| f32::from(*inside)).collect());
+        }
         file.write(path)
+    }
+
+    /// The pixels of an image of the same size that errors are measured in.
+    pub fn measured<'a>(&self, pixels: &'a [Rgb]) -> Cow<'a, [Rgb]> {
+        match &self.region {
+            None => Cow::Borrowed(pixels),
+            Some(region) => pixels.iter().zip(region).filter(|(_, inside)| **inside).map(|(p, _)| *p).collect(),
+        }
     }
 
     /// The relMSE that the reference's own noise causes: the mean of variance / (reference² + 0.01).
     pub fn own_relmse(&self) -> Option<f64> {
-        let variance = self.variance.as_ref()?;
+        let (variance, pixels) = (self.measured(self.variance.as_ref()?), self.measured(&self.picture.pixels));
         let relative = |(v, r): (f32, f32)| f64::from(v) / (f64::from(r).powi(2) + 0.01);
         let pixel = |(v, p): (&Rgb, &Rgb)| v.to_array().into_iter().zip(p.to_array()).map(relative).sum::<f64>();
-        let sum: f64 = variance.iter().zip(&self.picture.pixels).map(pixel).sum();
+        let sum: f64 = variance.iter().zip(&*pixels).map(pixel).sum();
         let mean = sum / (3 * variance.len()) as f64;
         mean.is_finite().then_some(mean)
     }
 
-    /// A hash of the image's bits.
+    /// A hash of the image's bits and the region.
     pub fn hash(&self) -> String {
         let mut hash = Fnv::default();
         hash.add(&self.picture.size.x.to_le_bytes());
         self.picture.pixels.iter().flat_map(|p| p.to_array()).for_each(|v| hash.add(&v.to_le_bytes()));
+        self.region.iter().flatten().for_each(|inside| hash.add(&[u8::from(*inside)]));
         hash.hex()
     }
 }
 
-/// What to know of a path-traced reference, by the scene's census.
-fn caution(has_caustics: bool) -> &'static str {
-    if has_caustics {
-        "things in this scene can cast caustics; path tracing finds those of small lights by chance alone and does not \
-         converge there, and the stated error is too small where it has not found them yet"
-    } else {
-        ""
+/// What to know of a reference, by what made it and the scene's census.
+fn caution(technique: &str, has_caustics: bool) -> &'static str {
+    match (has_caustics, technique) {
+        (false, _) => "",
+        (true, "bidir") => {
+            "caustics of small lights that are seen through glass or in mirrors are found by chance alone, and the stated \
+             error is too small where they have not been found yet"
+        }
+        (true, _) => {
+            "things in this scene can cast caustics; path tracing finds those of small lights by chance alone and does not \
+             converge there, and the stated error is too small where it has not found them yet"
+        }
     }
 }
 
@@ -147,14 +170,14 @@ pub fn make(
     }
     let variance = engine.film.variance_image().into_iter().map(|v| Rgb::from(v.map(|v| v as f32)));
     let picture = Picture { size: job.key.size(), pixels: engine.film.mean_image() };
-    let reference = Reference { picture, variance: Some(variance.collect()) };
+    let reference = Reference { picture, variance: Some(variance.collect()), region: None };
     let entry = ReferenceEntry {
         technique: job.key.technique.clone(),
         passes,
         seed,
         seconds: engine.total().seconds,
         relmse: reference.own_relmse(),
-        note: caution(engine.scene.census().has_caustics()).into(),
+        note: caution(&job.key.technique, engine.scene.census().has_caustics()).into(),
         ..known(job)
     };
     Ok(Some((reference, entry)))
@@ -183,11 +206,11 @@ fn exact(job: &Job, radiance: f64) -> (Reference, ReferenceEntry) {
     let size = job.key.size();
     let pixels = vec![Rgb::splat(radiance as f32); size.x as usize * size.y as usize];
     let variance = Some(vec![Rgb::BLACK; pixels.len()]);
-    let reference = Reference { picture: Picture { size, pixels }, variance };
+    let reference = Reference { picture: Picture { size, pixels }, variance, region: None };
     (reference, known(job))
 }
 
-/// The technique and sampler that make references.
+/// What a reference is made with where nothing else is asked for.
 pub fn wish(size: Option<Size>, depth: Option<u32>, load: LoadOptions) -> Wish {
     Wish { technique: "path".into(), knobs: vec![], sampler: "independent".into(), parts: vec![], size, depth, load }
 }
@@ -256,6 +279,7 @@ pub fn run(args: &ReferenceArgs) -> Result<(), Error> {
         None => Budget::Seconds(args.seconds.unwrap_or(DEFAULT_SECONDS)),
     };
     let wish = wish(Some(args.image.size.unwrap_or(DEFAULT_SIZE)), args.image.depth, args.load.into());
+    let wish = Wish { technique: args.technique.clone(), ..wish };
     let jobs = scenes.iter().map(|s| Job::load(s, &wish)).collect::<Result<Vec<_>, _>>()?;
     interrupt::listen()?;
     let mut made = BTreeMap::new();
@@ -296,8 +320,17 @@ mod tests {
     fn own_error_is_relative_variance() {
         let picture = Picture { size: UVec2::new(2, 1), pixels: vec![Rgb::BLACK, Rgb::WHITE] };
         let variance = vec![Rgb::splat(0.01), Rgb::splat(1.01)];
-        let reference = Reference { picture, variance: Some(variance) };
+        let mut reference = Reference { picture, variance: Some(variance), region: None };
         assert!((reference.own_relmse().unwrap() - 1.0).abs() < 1e-6);
+        let whole = reference.hash();
+        reference.variance.as_mut().unwrap()[0] = Rgb::splat(0.03);
+        reference.region = Some(vec![true, false]);
+        assert!((reference.own_relmse().unwrap() - 3.0).abs() < 1e-6);
+        assert_ne!(reference.hash(), whole);
+        let path = tempfile::tempdir().unwrap();
+        let path = path.path().join("r.exr");
+        reference.write(&path).unwrap();
+        assert_eq!(Reference::read(&path).unwrap().region, reference.region);
     }
 
     #[test]

@@ -45,9 +45,19 @@ fn render(folder: &TempDir, more: &[&str]) -> serde_json::Value {
 fn every_command_helps() {
     let folder = folder();
     xtask(folder.path(), &["--help"]).success();
-    for command in
-        ["study", "render", "merge", "compare", "reference", "sampling", "scene", "scenes", "techniques", "check"]
-    {
+    for command in [
+        "study",
+        "render",
+        "pyramid",
+        "merge",
+        "compare",
+        "reference",
+        "sampling",
+        "scene",
+        "scenes",
+        "techniques",
+        "check",
+    ] {
         let output = xtask(folder.path(), &[command, "--help"]).success().get_output().stdout.clone();
         assert!(String::from_utf8(output).unwrap().contains("Examples:"), "{command}");
     }
@@ -166,6 +176,14 @@ fn bad_input_is_refused() {
         (&["reference", "--scenes", "nonesuch", "--out", "r"], &["nonesuch"]),
         (&["scene", "nonesuch"], &["nonesuch"]),
         (&["scene", "broken.xml"], &["broken.xml", "nonesuch"]),
+        (&["pyramid", "nonesuch"], &["nonesuch"]),
+        (&["pyramid", "cornell", "--out", "no/where/a.exr"], &["no/where"]),
+        (&["pyramid", "cornell", "--out", "a.png"], &["a.png", ".exr"]),
+        (&["pyramid", "cornell", "--heuristic", "nonesuch"], &["nonesuch", "balance"]),
+        (&["pyramid", "cornell", "--depth", "0"], &["depth"]),
+        (&["pyramid", "cornell", "--size", "4096", "--depth", "32"], &["4 GiB"]),
+        (&["study", "--scenes", "cornell", "--region", "caustic:2", "--out", "s"], &["share"]),
+        (&["reference", "--technique", "nonesuch", "--out", "r"], &["nonesuch"]),
         (&["nonesuch"], &["nonesuch"]),
     ];
     for (arguments, said) in table {
@@ -202,6 +220,46 @@ fn a_render_says_where_it_comes_from_and_what_it_cost() {
     assert!(matches!(file.attributes["seconds"], Attribute::Number(s) if s > 0.0));
     let png = image::open(folder.path().join("a.png")).unwrap();
     assert_eq!((png.width(), png.height()), (16, 12));
+}
+
+#[test]
+fn a_pyramid_adds_up_to_the_image() {
+    let folder = folder();
+    let tiny = ["--size", "12x8", "--depth", "4", "--passes", "3", "--seed", "5"];
+    let pyramid = |threads: &str, out: &str| {
+        let arguments = [&["pyramid", "cornell"][..], &tiny, &["--threads", threads, "--out", out]].concat();
+        json(folder.path(), &arguments)
+    };
+    let report = pyramid("1", "a.exr");
+    pyramid("3", "b.exr");
+    let file = read(&folder, "a.exr");
+    assert_eq!(file.channels, read(&folder, "b.exr").channels);
+    let strategies = report["strategies"].as_array().unwrap();
+    assert_eq!((strategies.len(), &report["rejected"]), (1 + 3 + 4 + 5, &0.into()));
+    let mut sum = vec![0.0; 12 * 8];
+    for v in strategies {
+        let layer = |name: &str| file.layer(&format!("s{}t{}.{name}.", v["s"], v["t"])).unwrap();
+        for ((sum, unweighted), weighted) in sum.iter_mut().zip(layer("unweighted")).zip(layer("weighted")) {
+            assert!(weighted.g >= 0.0 && weighted.g <= unweighted.g * 1.0001, "{v}");
+            *sum += weighted.g;
+        }
+        // Every strategy finds light alone, but so few samples may all miss the lamp.
+        let found = ["unweighted_mean", "weighted_mean"].iter().all(|mean| v[mean].as_f64().unwrap() > 0.0);
+        assert!(found || v["s"] == 0, "{v}");
+    }
+    // These are the paths of the technique.
+    let arguments = [&["render", "cornell", "--technique", "bidir"][..], &tiny, &["--out", "image.exr"]].concat();
+    json(folder.path(), &arguments);
+    let same = |a: f32, b: f32| (a - b).abs() <= 1e-5 * (1.0 + a.abs());
+    let (image, whole) = (read(&folder, "image.exr").layer("").unwrap(), file.layer("").unwrap());
+    for ((image, whole), sum) in image.iter().zip(&whole).zip(&sum) {
+        assert!(same(image.g, whole.g) && same(image.r, whole.r) && same(*sum, whole.g), "{image:?} {whole:?} {sum}");
+    }
+    let png = image::open(folder.path().join("a.png")).unwrap();
+    let height = 4 * (85 + 4) - 4;
+    assert_eq!((png.width(), png.height()), (5 * (128 + 4) - 4, 2 * height + 24));
+    xtask(folder.path(), &["pyramid", "furnace", "--size", "4", "--passes", "1"]).success();
+    assert!(folder.path().join("furnace-pyramid.exr").exists() && folder.path().join("furnace-pyramid.png").exists());
 }
 
 #[test]

@@ -169,7 +169,10 @@ fn reference(section: &Section) -> String {
         Some(e) => format!("Its own relMSE is {}; errors near it say only “converged”.", number(e)),
         None => "Its own error is not known.".into(),
     };
-    let note = if f.note.is_empty() { String::new() } else { format!("<p class=\"warn\">{}</p>", escape(&f.note)) };
+    let mut note = if f.note.is_empty() { String::new() } else { format!("<p class=\"warn\">{}</p>", escape(&f.note)) };
+    if !f.region.is_empty() {
+        note += &format!("<p class=\"warn\">Errors are measured {} alone.</p>", escape(&f.region));
+    }
     format!("<h3>Reference</h3><p>{}{}. {own}</p>{note}", escape(&f.made), escape(&time))
 }
 

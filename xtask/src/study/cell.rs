@@ -6,7 +6,7 @@ use crate::{
     hash::derive_seed,
     interrupt,
     job::{Engine, Job},
-    picture::Picture,
+    reference::Reference,
     study::results::{Cell, Group, Line},
 };
 use etendue_core::{rgb::Rgb, statistics::image_error::ImageError};
@@ -33,7 +33,7 @@ pub struct Plan<'a> {
     /// When it ends.
     pub end: End,
     /// What it is compared with.
-    pub reference: &'a Picture,
+    pub reference: &'a Reference,
 }
 
 /// A cell that is finished, and its image at each checkpoint.
@@ -86,7 +86,8 @@ pub fn run(plan: &Plan, mut progress: impl FnMut(f64)) -> Result<Option<Finished
 
 fn measure(plan: &Plan, engine: &Engine, passes: u32, last: bool) -> (Line, Vec<Rgb>) {
     let image = engine.film.mean_image();
-    let error = ImageError::new(&image, &plan.reference.pixels);
+    let reference = plan.reference;
+    let error = ImageError::new(&reference.measured(&image), &reference.measured(&reference.picture.pixels));
     let (total, statistics) = (engine.total(), engine.statistics());
     let line = Line {
         group: plan.group.clone(),

@@ -2,6 +2,7 @@
 
 pub mod cell;
 pub mod references;
+pub mod region;
 pub mod replicates;
 pub mod results;
 
@@ -91,13 +92,13 @@ pub fn run(args: &StudyArgs) -> Result<(), Error> {
                 replicate,
                 seconds: args.seconds,
                 end: end_of(&results, &entry.group, args.seconds),
-                reference: &found[entry.reference].reference.picture,
+                reference: &found[entry.reference].reference,
             };
             let key = &entry.job.key;
             let label = format!("{} by {}, {}, replicate {replicate}", key.scene, key.technique, key.sampler);
             let show = |share: f64| progress.show((begun as f64 + share) / total as f64, label.clone());
             let Some(finished) = cell::run(&plan, show)? else { break 'cells };
-            keep(&mut results, &images, &entry.group, replicate, finished)?;
+            keep(&mut results, &images, &plan, finished)?;
             cells_run += 1;
         }
     }
@@ -172,7 +173,13 @@ fn with_references(
     references: &References,
 ) -> Result<(Vec<Entry>, Vec<Found>), Error> {
     let threads = args.image.threads();
-    let want = Want { file: args.reference.as_deref(), cell_seconds: args.seconds, seed: args.seed, threads };
+    let want = Want {
+        file: args.reference.as_deref(),
+        cell_seconds: args.seconds,
+        seed: args.seed,
+        threads,
+        region: args.region,
+    };
     let (mut found, mut index): (Vec<Found>, HashMap<String, usize>) = Default::default();
     let mut entries = Vec::new();
     for job in jobs {
@@ -216,11 +223,12 @@ fn end_of(results: &Results, group: &Group, seconds: f64) -> End {
 
 /// Keeps what a cell came to. The sums go first: a replicate that is in them and not in the results is run again, and
 /// then makes the same image.
-fn keep(results: &mut Results, images: &Path, group: &Group, replicate: u32, finished: Finished) -> Result<(), Error> {
+fn keep(results: &mut Results, images: &Path, plan: &Plan, finished: Finished) -> Result<(), Error> {
+    let (group, replicate) = (plan.group, plan.replicate);
     for (line, image) in finished.cell.lines.iter().zip(&finished.images) {
         let path = sums_path(images, group, line.passes);
         let mut sums = Sums::read(&path);
-        sums.add(replicate, image);
+        sums.add(replicate, &plan.reference.measured(image));
         sums.write(&path)?;
     }
     if replicate == 0
@@ -244,7 +252,10 @@ fn fill(results: &mut Results, images: &Path, references: &References) -> Result
         passes.dedup();
         for n in passes {
             let sums = Sums::read(&sums_path(images, group, n));
-            known.insert((group.file_stem(), n), sums.bias2_and_variance(&reference.picture.pixels));
+            known.insert(
+                (group.file_stem(), n),
+                sums.bias2_and_variance(&reference.measured(&reference.picture.pixels)),
+            );
         }
     }
     results.fill(|group, passes| Ok(known.get(&(group.file_stem(), passes)).copied().flatten()))

@@ -7,6 +7,7 @@ use crate::{
     job::Job,
     reference::{self, Reference, Store},
     render::Budget,
+    study::region::Region,
 };
 use etendue_core::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,9 @@ pub struct SceneFacts {
     pub own_relmse: Option<f64>,
     /// What to know before trusting it; may be empty.
     pub note: String,
+    /// Where errors are measured, if not everywhere.
+    #[serde(default)]
+    pub region: String,
     /// The census of the scene's effects, a reason a line.
     pub census: String,
     /// What loading the scene had to say.
@@ -82,6 +86,8 @@ pub struct Want<'a> {
     pub seed: u64,
     /// Threads.
     pub threads: usize,
+    /// Where errors are measured; everywhere without it.
+    pub region: Option<Region>,
 }
 
 impl References {
@@ -94,33 +100,36 @@ impl References {
     /// Finds or makes the reference of a job; none if Ctrl-C came first.
     pub fn obtain(&self, job: &Job, want: Want) -> Result<Option<Found>, Error> {
         if let Some(path) = want.file {
-            let reference = Reference::read(path)?;
+            let mut reference = Reference::read(path)?;
             if reference.picture.size != job.key.size() {
                 let (r, s) = (reference.picture.size, job.key.size());
                 let reason = format!("has {}x{} pixels, but the study renders {}x{}", r.x, r.y, s.x, s.y);
                 return Err(Error::Content { path: path.into(), reason });
             }
             let made = format!("the file {}", path.display());
-            let facts = self.facts(job, Source::Given, made, 0.0, &reference, String::new())?;
+            let region = limit(job, &mut reference, want)?;
+            let facts = self.facts(job, Source::Given, made, 0.0, &reference, String::new(), region)?;
             return self.keep(reference, &facts).map(Some);
         }
-        if let Some((reference, entry)) = self.store.find(job)? {
+        if let Some((mut reference, entry)) = self.store.find(job)? {
+            let region = limit(job, &mut reference, want)?;
             let commit = entry.commit.as_deref().map_or(String::new(), |c| format!(", revision {c:.12}"));
             let made = format!("stored: {}, {} passes, seed {}{commit}", entry.technique, entry.passes, entry.seed);
-            let facts = self.facts(job, Source::Stored, made, entry.seconds, &reference, entry.note)?;
+            let facts = self.facts(job, Source::Stored, made, entry.seconds, &reference, entry.note, region)?;
             return self.keep(reference, &facts).map(Some);
         }
         let seconds = (TIMES_CELL * want.cell_seconds).max(LEAST_SECONDS);
-        if let Some(found) = self.made_before(job, seconds)? {
+        if let Some(found) = self.made_before(job, seconds, want.region)? {
             return Ok(Some(found));
         }
         // Made by path tracing with every part of the light, whatever the study is of.
         let wish = reference::wish(Some(crate::job::Size::Exact(job.key.size())), Some(job.key.depth), job.load);
         let maker = Job::load(&job.key.scene, &wish)?;
         let made = reference::make(&maker, want.threads, want.seed, Budget::Seconds(seconds))?;
-        let Some((reference, entry)) = made else { return Ok(None) };
+        let Some((mut reference, entry)) = made else { return Ok(None) };
+        let region = limit(job, &mut reference, want)?;
         let made = format!("made for this study: {}, {} passes, seed {}", entry.technique, entry.passes, entry.seed);
-        let facts = self.facts(job, Source::Made, made, entry.seconds, &reference, entry.note)?;
+        let facts = self.facts(job, Source::Made, made, entry.seconds, &reference, entry.note, region)?;
         self.keep(reference, &facts).map(Some)
     }
 
@@ -132,6 +141,7 @@ impl References {
         seconds: f64,
         reference: &Reference,
         note: String,
+        region: String,
     ) -> Result<SceneFacts, Error> {
         let scene = Scene::new(&job.scene.description);
         let scene = scene.map_err(|source| Error::Scene { scene: job.key.scene.clone(), source })?;
@@ -146,6 +156,7 @@ impl References {
             seconds,
             own_relmse: reference.own_relmse(),
             note,
+            region,
             census: scene.census().to_string(),
             notes: job.scene.notes.clone(),
         })
@@ -172,7 +183,7 @@ impl References {
     }
 
     /// A reference that an earlier run of the study made, if it took long enough.
-    fn made_before(&self, job: &Job, seconds: f64) -> Result<Option<Found>, Error> {
+    fn made_before(&self, job: &Job, seconds: f64, region: Option<Region>) -> Result<Option<Found>, Error> {
         let listing = std::fs::read_dir(&self.folder);
         let listing = listing.map_err(|source| Error::Read { path: self.folder.clone(), source })?;
         let mut paths: Vec<PathBuf> = listing.filter_map(|e| e.ok()).map(|e| e.path()).collect();
@@ -183,6 +194,8 @@ impl References {
             let fits = facts.source == Source::Made
                 && facts.scene_hash == job.key.scene_hash
                 && (facts.width, facts.height, facts.depth) == (job.key.width, job.key.height, job.key.depth)
+                && facts.region.starts_with(&region.map_or(String::new(), |r| r.to_string()))
+                && facts.region.is_empty() == region.is_none()
                 && facts.seconds >= seconds;
             if fits {
                 let reference = Reference::read(&path.with_extension("exr"))?;
@@ -192,6 +205,15 @@ impl References {
         }
         Ok(None)
     }
+}
+
+/// Limits a reference to the region that is wanted; says which it is.
+fn limit(job: &Job, reference: &mut Reference, want: Want) -> Result<String, Error> {
+    let Some(region) = want.region else { return Ok(String::new()) };
+    let inside = region.pixels(job, &reference.picture, want.seed, want.threads)?;
+    let text = format!("{region}: {} of {} pixels", inside.iter().filter(|i| **i).count(), inside.len());
+    reference.region = Some(inside);
+    Ok(text)
 }
 
 fn facts_name(scene_hash: &str, depth: u32, reference: &str) -> String {

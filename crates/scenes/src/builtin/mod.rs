@@ -4,11 +4,13 @@
 //! until somebody asks for more.
 
 pub mod ajar_door;
+pub mod bumpy;
 pub mod cornell;
 pub mod furnace;
 pub mod glass_ball;
 pub mod glass_caustic;
 pub mod glossy_caustic;
+pub mod hidden_lights;
 pub mod many_lights;
 mod parts;
 pub mod pool;
@@ -79,6 +81,8 @@ pub fn builtins() -> &'static [Builtin] {
         glass_ball::BUILTIN,
         glossy_caustic::BUILTIN,
         pool::BUILTIN,
+        hidden_lights::BUILTIN,
+        bumpy::BUILTIN,
     ]
 }
 
