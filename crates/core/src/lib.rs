@@ -3,6 +3,7 @@
 pub mod bsdf;
 pub mod camera;
 pub mod digest;
+pub mod direct_light;
 pub mod distribution;
 pub mod effects;
 pub mod film;

@@ -11,19 +11,16 @@ use crate::{
     surfaces::is_narrow,
 };
 use etendue_core::{
-    bsdf::{Bsdf, Lobe, TransportMode},
+    bsdf::{Bsdf, Lobe},
+    direct_light::{emitted, escaped, next_event},
     filter::Filter,
-    geometry::offset::{shadow_ray, spawn_ray},
     has,
-    lights::DirectSample,
-    mis::power_heuristic,
-    ray::Ray,
     rgb::Rgb,
     sampler::{Purpose, Sampler},
     scene::Scene,
     statistics::render::Rays,
-    technique::{Part, Settings},
-    walk::{History, SurfaceVertex, Vertex, Walk},
+    technique::Settings,
+    walk::{SurfaceVertex, Vertex, Walk},
 };
 use glam::{UVec2, Vec2};
 
@@ -101,15 +98,11 @@ impl Eye<'_> {
             let counts = !(wide > 0 && narrow_since && self.has_caustics());
             match walk.trace(rays) {
                 Vertex::Escaped(end) => {
-                    if HAS & has::INFINITE != 0 && counts && settings.parts.contains(seen_part(end.history, true)) {
-                        let (radiance, light_pdf) = scene.lights().environment_radiance_and_pdf(end.direction);
-                        sum += end.beta * radiance * bsdf_weight(end.history, end.pdf_w, light_pdf);
-                    }
-                    return sum;
+                    return if counts { sum + escaped::<HAS>(scene, settings.parts, 1.0, &end) } else { sum };
                 }
                 Vertex::Surface(vertex) => {
                     if counts && let Some(element) = scene.element(&vertex.surface) {
-                        sum += self.emitted::<HAS>(&vertex, element);
+                        sum += emitted::<HAS>(scene, settings.parts, 1.0, &vertex, element);
                     }
                     if wide > 0 && matches!(self.indirect, Indirect::Progressive { .. }) {
                         return sum;
@@ -122,7 +115,7 @@ impl Eye<'_> {
                     };
                     sum += vertex.beta * look.reflected;
                     if look.direct && !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
-                        sum += self.next_event::<HAS>(&vertex, sampler, rays);
+                        sum += next_event::<HAS>(scene, settings.parts, &vertex, sampler, rays);
                     }
                     if look.ends && (HAS & has::LOBES == 0 || !vertex.bsdf.has_delta()) {
                         return sum;
@@ -168,46 +161,6 @@ impl Eye<'_> {
             _ => Look { reflected: reflected(ask::<HAS>(&self.caustics, vertex, found)), direct: true, ends: false },
         }
     }
-
-    /// Light that the vertex itself emits towards the path.
-    #[inline]
-    fn emitted<const HAS: u32>(&self, vertex: &SurfaceVertex, element: u32) -> Rgb {
-        let radiance = self.scene.lights().emitted::<HAS>(element, &vertex.surface, vertex.wo);
-        if radiance.is_black() || !self.settings.parts.contains(seen_part(vertex.history, false)) {
-            return Rgb::BLACK;
-        }
-        let surface = &vertex.surface;
-        let light_pdf = self.scene.lights().pdf_direct(element, vertex.from, surface.p, surface.ng, -vertex.wo);
-        vertex.beta * radiance * bsdf_weight(vertex.history, vertex.pdf_w, light_pdf)
-    }
-
-    /// Light that reaches the vertex from a sampled point of a sampled light.
-    #[inline]
-    fn next_event<const HAS: u32>(&self, vertex: &SurfaceVertex, sampler: &mut dyn Sampler, rays: &mut Rays) -> Rgb {
-        let u_choice = sampler.get_1d(vertex.depth, Purpose::LightChoice);
-        let u = sampler.get_2d(vertex.depth, Purpose::LightPoint);
-        let sampled = self.scene.lights().sample_direct::<HAS>(vertex.surface.p, u_choice, u);
-        let Some(light) = sampled else { return Rgb::BLACK };
-        if !self.settings.parts.contains(sampled_part(vertex.history, &light)) {
-            return Rgb::BLACK;
-        }
-        let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
-        if f_cos.is_black() {
-            return Rgb::BLACK;
-        }
-        rays.shadow += 1;
-        if self.scene.occluded::<HAS>(&light_ray(vertex, &light)) {
-            return Rgb::BLACK;
-        }
-        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, bsdf_pdf) };
-        let arriving = if HAS & has::MEDIA == 0 {
-            light.radiance
-        } else {
-            let distance = if light.infinite { f32::INFINITY } else { light.target.distance(vertex.surface.p) };
-            light.radiance * vertex.transmittance::<HAS>(self.scene, light.wi, distance)
-        };
-        vertex.beta * f_cos * arriving * (weight / light.pdf_w)
-    }
 }
 
 /// Asks a map, if there is one.
@@ -224,44 +177,5 @@ fn lambert(vertex: &SurfaceVertex) -> Option<Rgb> {
             Some(if two_sided || vertex.wo_local.z > 0.0 { reflectance } else { Rgb::BLACK })
         }
         _ => None,
-    }
-}
-
-/// The weight of a path whose last direction was sampled from the BSDF (or the camera): 1 where sampling the lights could
-/// not have found it.
-#[inline]
-fn bsdf_weight(history: History, bsdf_pdf: f32, light_pdf: f32) -> f32 {
-    if history.last_delta || history.rough == 0 { 1.0 } else { power_heuristic(bsdf_pdf, light_pdf) }
-}
-
-/// The part of the light that a path belongs to that ran into a light.
-#[inline]
-fn seen_part(history: History, infinite: bool) -> Part {
-    match history {
-        History { rough: 0, .. } => Part::Emission,
-        History { last_delta: true, .. } => Part::Caustic,
-        History { rough: 1, .. } if infinite => Part::Environment,
-        History { rough: 1, .. } => Part::Direct,
-        _ => Part::Indirect,
-    }
-}
-
-/// The part of the light that a path belongs to that ends in a sampled light.
-#[inline]
-fn sampled_part(history: History, light: &DirectSample) -> Part {
-    match (history.rough, light.infinite && !light.delta) {
-        (0, true) => Part::Environment,
-        (0, false) => Part::Direct,
-        _ => Part::Indirect,
-    }
-}
-
-/// The ray that tests whether a sampled light is visible.
-#[inline]
-fn light_ray(vertex: &SurfaceVertex, light: &DirectSample) -> Ray {
-    if light.infinite {
-        spawn_ray(&vertex.surface, light.wi)
-    } else {
-        shadow_ray(&vertex.surface, light.target, light.target_error, light.target_normal)
     }
 }
