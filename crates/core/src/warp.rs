@@ -27,11 +27,12 @@ pub fn sin_cos_turn(fraction: f32) -> (f32, f32) {
     let quarters = 4.0 * fraction;
     let nearest = (quarters + 0.5) as i32;
     let (sin, cos) = small_sin_cos(2.0 * FRAC_PI_4 * (quarters - nearest as f32));
-    // Odd quarters swap the two, then each has its sign; random quarters would make branches costly.
-    let difference = (sin.to_bits() ^ cos.to_bits()) & ((nearest & 1) as u32).wrapping_neg();
-    let (sin, cos) = (f32::from_bits(sin.to_bits() ^ difference), f32::from_bits(cos.to_bits() ^ difference));
-    let negate = |x: f32, quarters: i32| f32::from_bits(x.to_bits() ^ (((quarters & 2) as u32) << 30));
-    (negate(sin, nearest), negate(cos, nearest + 1))
+    // The rest is a rotation by whole quarters; random quarters would make branches costly. Its entries are floats, not
+    // operations on bits: vectorised, those leave integers in unused lanes, which are subnormal numbers to the
+    // multiplications that follow, and cost a hundred cycles each.
+    const ROTATIONS: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [-1.0, 0.0]];
+    let [s, c] = ROTATIONS[(nearest & 3) as usize];
+    (s * cos + c * sin, c * cos - s * sin)
 }
 
 /// The concentric map [Shirley and Chiu 1997, sec. 2]: the point, and one minus its distance from the centre.
