@@ -247,14 +247,17 @@ fn a_pyramid_adds_up_to_the_image() {
         let found = ["unweighted_mean", "weighted_mean"].iter().all(|mean| v[mean].as_f64().unwrap() > 0.0);
         assert!(found || v["s"] == 0, "{v}");
     }
-    // These are the paths of the technique.
+    // These are the paths of the technique, which leaves out a choice of connections that contribute little.
     let arguments = [&["render", "cornell", "--technique", "bidir"][..], &tiny, &["--out", "image.exr"]].concat();
     json(folder.path(), &arguments);
-    let same = |a: f32, b: f32| (a - b).abs() <= 1e-5 * (1.0 + a.abs());
     let (image, whole) = (read(&folder, "image.exr").layer("").unwrap(), file.layer("").unwrap());
+    let (mut mean, mut whole_mean) = (0.0, 0.0);
     for ((image, whole), sum) in image.iter().zip(&whole).zip(&sum) {
-        assert!(same(image.g, whole.g) && same(image.r, whole.r) && same(*sum, whole.g), "{image:?} {whole:?} {sum}");
+        assert!((whole.g - sum).abs() <= 1e-5 * (1.0 + sum), "{whole:?} {sum}");
+        mean += image.g;
+        whole_mean += whole.g;
     }
+    assert!((mean / whole_mean - 1.0).abs() < 0.03, "{mean} {whole_mean}");
     let png = image::open(folder.path().join("a.png")).unwrap();
     let height = 4 * (85 + 4) - 4;
     assert_eq!((png.width(), png.height()), (5 * (128 + 4) - 4, 2 * height + 24));

@@ -35,6 +35,10 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
     },
 };
 
+/// Connections of a pair of paths that are tested for what lies between, about: in rooms there are a dozen, and a few of them
+/// hold most of the light. With three, noise grows by some per cent and a pass takes a tenth to a quarter less.
+const CONNECTIONS: f32 = 3.0;
+
 /// The bidirectional path tracer.
 pub struct Bidirectional {
     scene: Arc<Scene>,
@@ -62,7 +66,7 @@ impl Technique for Bidirectional {
             0,
             || {
                 let sampler = (settings.sampler)(seed, settings.planned_passes);
-                (sampler, Paths::new(scene, settings, heuristic, filter, pixels))
+                (sampler, Paths::new(scene, settings, heuristic, filter, pixels).testing(CONNECTIONS))
             },
             |_, _, _, _| {},
             |(sampler, paths), pixel, splats, statistics| {

@@ -79,6 +79,7 @@
 //! carries, and left out of the densities in the weights, which need only sum to 1.
 
 mod bidirectional;
+mod connections;
 pub mod densities;
 mod light;
 pub mod particle;

@@ -1,6 +1,7 @@
 //! All strategies of one camera path and one light path.
 
 use crate::{
+    connections::{Connection, choose},
     densities::{Departure, Joint, camera_pdf_a, direct_end, emitted_end, escaped_end, hit_end},
     particle::{Particle, connects, part, see},
     weights::{Heuristic, Prefix},
@@ -72,7 +73,8 @@ struct LightVertex {
     part: Part,
 }
 
-/// Walks pairs of paths through one scene; holds the vertices of a light path, in memory that is used again for the next.
+/// Walks pairs of paths through one scene; holds the vertices of a light path and the connections to them, in memory that is
+/// used again for the next.
 pub struct Paths<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
@@ -80,6 +82,9 @@ pub struct Paths<'a> {
     filter: Filter,
     particles: f32,
     light: Vec<LightVertex>,
+    connections: Vec<Connection>,
+    /// How many of a pixel's connections are tested on average; all if none.
+    tests: Option<f32>,
 }
 
 impl<'a> Paths<'a> {
@@ -91,7 +96,16 @@ impl<'a> Paths<'a> {
         filter: Filter,
         pixels: u32,
     ) -> Paths<'a> {
-        Paths { scene, settings, heuristic, filter, particles: pixels as f32, light: Vec::new() }
+        let (light, connections) = (Vec::new(), Vec::new());
+        Paths { scene, settings, heuristic, filter, particles: pixels as f32, light, connections, tests: None }
+    }
+
+    /// Tests no more than about so many of a pair's connections for what lies between: each with a probability in proportion
+    /// to its weighted contribution, by which it is divided. Without it every connection is tested, which is for whoever looks
+    /// at strategies without their weights.
+    #[must_use]
+    pub fn testing(self, connections: f32) -> Paths<'a> {
+        Paths { tests: Some(connections), ..self }
     }
 
     /// Walks a path from a light and one from the camera through a pixel, joins them in every way, and tells `tell`.
@@ -105,7 +119,43 @@ impl<'a> Paths<'a> {
         tell: &mut impl FnMut(Event<'_>),
     ) {
         self.walk_from_light::<HAS>(sampler, rays, tell);
+        self.connections.clear();
         self.walk_from_camera::<HAS>(pixel, sampler, rays, tell);
+        self.test_connections::<HAS>(sampler, rays, tell);
+    }
+
+    /// Tests the connections, or a choice of them, for what lies between.
+    #[inline]
+    fn test_connections<const HAS: u32>(
+        &self,
+        sampler: &mut dyn Sampler,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        let Some(tests) = self.tests.filter(|tests| (self.connections.len() as f32) > *tests) else {
+            self.connections.iter().for_each(|c| self.test::<HAS>(c, 1.0, rays, tell));
+            return;
+        };
+        let u = sampler.get_1d(0, Purpose::Connections);
+        choose(&self.connections, tests, u).for_each(|(c, probability)| self.test::<HAS>(c, probability, rays, tell));
+    }
+
+    /// Tests a connection that was chosen with a probability.
+    #[inline]
+    fn test<const HAS: u32>(
+        &self,
+        connection: &Connection,
+        probability: f32,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        rays.shadow += 1;
+        if self.scene.occluded::<HAS>(&connection.ray) {
+            return;
+        }
+        let Connection { s, t, part, weight, .. } = *connection;
+        let value = connection.value * (1.0 / probability);
+        tell(Event::Contribution(Contribution { s, t, part, value, weight, film: None, light: None, lens: None }));
     }
 
     /// Walks from a light, remembers the vertices that can be connected, and connects each to the lens (`t = 1`).
@@ -174,7 +224,7 @@ impl<'a> Paths<'a> {
     /// vertices of the light path.
     #[inline]
     fn walk_from_camera<const HAS: u32>(
-        &self,
+        &mut self,
         pixel: UVec2,
         sampler: &mut dyn Sampler,
         rays: &mut Rays,
@@ -210,8 +260,8 @@ impl<'a> Paths<'a> {
             };
             if !walk.is_exhausted() && connects::<HAS>(&vertex) {
                 self.next_event::<HAS>(&vertex, &prefix, sampler, rays, tell);
-                for light in &self.light {
-                    self.connect::<HAS>(light, &vertex, &prefix, rays, tell);
+                for i in 0..self.light.len() {
+                    self.connections.extend(self.connect::<HAS>(&self.light[i], &vertex, &prefix));
                 }
             }
             let Some(step) = walk.go_on(&vertex, sampler) else { return };
@@ -335,39 +385,32 @@ impl<'a> Paths<'a> {
         }));
     }
 
-    /// `s >= 2`, `t >= 2`: a vertex of the light path seen from one of the camera path.
+    /// `s >= 2`, `t >= 2`: a vertex of the light path seen from one of the camera path, if nothing lies between.
     #[inline]
     fn connect<const HAS: u32>(
         &self,
         light: &LightVertex,
         camera: &SurfaceVertex,
         prefix: &Prefix,
-        rays: &mut Rays,
-        tell: &mut impl FnMut(Event<'_>),
-    ) {
+    ) -> Option<Connection> {
         let (scene, y, z) = (self.scene, &light.vertex, camera);
-        let part = light.part;
         let edges = y.depth.saturating_add(z.depth).saturating_add(1);
-        if edges > self.settings.max_depth || !self.settings.parts.contains(part) {
-            return;
+        if edges > self.settings.max_depth || !self.settings.parts.contains(light.part) {
+            return None;
         }
         let to = y.surface.p - z.surface.p;
         let d2 = to.length_squared();
         if !d2.is_normal() {
-            return;
+            return None;
         }
         let wi = to / d2.sqrt();
         let (z_f_cos, camera_pdf_w) = z.eval_pdf::<HAS>(wi, TransportMode::Radiance);
         if z_f_cos.is_black() {
-            return;
+            return None;
         }
         let (y_f_cos, light_pdf_w) = y.eval_pdf::<HAS>(-wi, TransportMode::Importance);
         if y_f_cos.is_black() {
-            return;
-        }
-        rays.shadow += 1;
-        if scene.occluded::<HAS>(&shadow_ray(&z.surface, y.surface.p, y.surface.p_error, y.surface.ng)) {
-            return;
+            return None;
         }
         // [Veach 1997, eq. 10.8]
         let mut value = z.beta * z_f_cos * y.beta * y_f_cos * (1.0 / d2);
@@ -375,16 +418,14 @@ impl<'a> Paths<'a> {
             value *= z.transmittance::<HAS>(scene, wi, d2.sqrt());
         }
         let joint = Joint { light: (y, &light.prefix), camera: (z, prefix), wi, light_pdf_w, camera_pdf_w };
-        tell(Event::Contribution(Contribution {
+        Some(Connection {
             s: y.depth + 1,
             t: z.depth + 1,
-            part,
+            part: light.part,
             value,
             weight: joint.weight::<HAS>(self.heuristic) as f32,
-            film: None,
-            light: None,
-            lens: None,
-        }));
+            ray: shadow_ray(&z.surface, y.surface.p, y.surface.p_error, y.surface.ng),
+        })
     }
 }
 
@@ -427,6 +468,10 @@ mod tests {
         let mut paths = Paths::new(&scene, &settings, Heuristic::Balance, Filter::Box, 1);
         let (mut sampler, mut rays) = (independent(1, 0), Rays::default());
         let mut contributions = 0;
+        let held = |paths: &Paths| {
+            let (light, connections) = (&paths.light, &paths.connections);
+            (light.as_ptr(), light.capacity(), connections.as_ptr(), connections.capacity())
+        };
         let mut memory = None;
         for sample in 0..2000 {
             sampler.start_sample(0, sample);
@@ -434,10 +479,10 @@ mod tests {
                 contributions += u32::from(matches!(event, Event::Contribution(_)));
             });
             if sample == 1000 {
-                memory = Some((paths.light.as_ptr(), paths.light.capacity()));
+                memory = Some(held(&paths));
             }
         }
         assert!(contributions > 20_000, "{contributions}");
-        assert_eq!(memory, Some((paths.light.as_ptr(), paths.light.capacity())));
+        assert_eq!(memory, Some(held(&paths)));
     }
 }

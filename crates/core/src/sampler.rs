@@ -38,6 +38,8 @@ pub enum Purpose {
     CameraConnection,
     /// Which of several candidates of next-event estimation is kept (1D).
     LightCandidate,
+    /// Which connections between two walks are tested for what lies between (1D, vertex 0).
+    Connections,
 }
 
 /// A source of numbers in `[0, 1)`; 1 itself is never returned.

@@ -108,14 +108,15 @@ impl References {
             }
             let made = format!("the file {}", path.display());
             let region = limit(job, &mut reference, want)?;
-            let facts = self.facts(job, Source::Given, made, 0.0, &reference, String::new(), region)?;
+            let facts = SceneFacts { region, ..self.facts(job, Source::Given, made, 0.0, &reference, String::new())? };
             return self.keep(reference, &facts).map(Some);
         }
         if let Some((mut reference, entry)) = self.store.find(job)? {
             let region = limit(job, &mut reference, want)?;
             let commit = entry.commit.as_deref().map_or(String::new(), |c| format!(", revision {c:.12}"));
             let made = format!("stored: {}, {} passes, seed {}{commit}", entry.technique, entry.passes, entry.seed);
-            let facts = self.facts(job, Source::Stored, made, entry.seconds, &reference, entry.note, region)?;
+            let facts =
+                SceneFacts { region, ..self.facts(job, Source::Stored, made, entry.seconds, &reference, entry.note)? };
             return self.keep(reference, &facts).map(Some);
         }
         let seconds = (TIMES_CELL * want.cell_seconds).max(LEAST_SECONDS);
@@ -129,7 +130,8 @@ impl References {
         let Some((mut reference, entry)) = made else { return Ok(None) };
         let region = limit(job, &mut reference, want)?;
         let made = format!("made for this study: {}, {} passes, seed {}", entry.technique, entry.passes, entry.seed);
-        let facts = self.facts(job, Source::Made, made, entry.seconds, &reference, entry.note, region)?;
+        let facts =
+            SceneFacts { region, ..self.facts(job, Source::Made, made, entry.seconds, &reference, entry.note)? };
         self.keep(reference, &facts).map(Some)
     }
 
@@ -141,7 +143,6 @@ impl References {
         seconds: f64,
         reference: &Reference,
         note: String,
-        region: String,
     ) -> Result<SceneFacts, Error> {
         let scene = Scene::new(&job.scene.description);
         let scene = scene.map_err(|source| Error::Scene { scene: job.key.scene.clone(), source })?;
@@ -156,7 +157,7 @@ impl References {
             seconds,
             own_relmse: reference.own_relmse(),
             note,
-            region,
+            region: String::new(),
             census: scene.census().to_string(),
             notes: job.scene.notes.clone(),
         })
