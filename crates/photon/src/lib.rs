@@ -44,7 +44,7 @@
 //!     let settings = Settings { parts: Parts::NONE.with(Part::Caustic), ..Settings::new(8, independent) };
 //!     let mut technique = (info.build)(scene.clone(), settings, &knobs);
 //!     let mut film = Film::new(UVec2::new(4, 4), Filter::Box);
-//!     for pass in 0..64 {
+//!     for pass in 0..2000 {
 //!         technique.pass(1, pass, &mut film);
 //!     }
 //!     let mean = film.mean_image().iter().map(|c| c.g).sum::<f32>() / 16.0;
