@@ -101,8 +101,7 @@ fn means(run: &Run, technique: &TechniqueInfo, knobs: &[(&str, f64)], first: u64
 /// The mean of the image is that of unbiased techniques, within noise and a stated bias.
 #[test]
 fn images_are_as_bright_as_they_must_be() {
-    for (scene, bias) in [("cornell", 0.02), ("glass-ball", 0.02), ("ring", 0.02), ("sky", 0.02)]
-    {
+    for (scene, bias) in [("cornell", 0.02), ("glass-ball", 0.02), ("ring", 0.02), ("sky", 0.02)] {
         let run = Run::builtin(scene, 20);
         let truth = means(&run, &etendue_bidir::BIDIR, &[], 50, 64);
         // An image so small has few photons of its own: the progressive form gets as many as a larger one.
