@@ -133,13 +133,13 @@ fn aiming_keeps_the_power_of_caustics() {
         aim: &none,
         seed: 99,
         set: 7,
-        emitted: 1 << 14,
+        emitted: 1 << 13,
     };
     let (fruitful, _) = job.pilot::<{ has::ALL }>();
     let aim = Aim::at(&fruitful);
     let total = |p: &Vec<f64>| p.iter().sum::<f64>();
-    let plain = stored(&loaded.description, Store::Caustic, &none, 1 << 17);
-    let aimed = stored(&loaded.description, Store::Caustic, &aim, 1 << 14);
+    let plain = stored(&loaded.description, Store::Caustic, &none, 1 << 15);
+    let aimed = stored(&loaded.description, Store::Caustic, &aim, 1 << 12);
     let (mut a, mut b) = (Moments::default(), Moments::default());
     plain.iter().for_each(|p| a.push(total(p)));
     aimed.iter().for_each(|p| b.push(total(p)));

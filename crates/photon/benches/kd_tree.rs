@@ -36,7 +36,7 @@ fn on_surfaces(n: usize, rng: &mut Pcg64) -> Vec<Vec3> {
             0 => wall(rng.random_range(0..6), rng.random(), rng.random()),
             1 => {
                 let (side, u, v) = spots[rng.random_range(0..spots.len())];
-                let (r, phi) = (0.1 * rng.random::<f32>().powi(2), 6.283 * rng.random::<f32>());
+                let (r, phi) = (0.1 * rng.random::<f32>().powi(2), std::f32::consts::TAU * rng.random::<f32>());
                 wall(side, u + r * phi.cos(), v + r * phi.sin())
             }
             _ => {

@@ -3,15 +3,14 @@
 //! For each power of ten up to MOST (10,000,000 by itself): how long photons take from light to map, how large the map is, what
 //! an estimate of 50 photons takes, and what precomputed irradiance takes and saves.
 
+mod room;
+
 use etendue_core::{
-    camera::{CameraDescription, Projection},
     film::Film,
     filter::Filter,
     has,
     independent::independent,
-    material::Material,
-    rgb::Rgb,
-    scene::{NamedMaterial, Object, ObjectShape, Scene, SceneDescription},
+    scene::Scene,
     technique::{Settings, Technique},
 };
 use etendue_photon::{
@@ -20,47 +19,9 @@ use etendue_photon::{
     map::PhotonMap,
     trace::{Job, Store},
 };
-use glam::{DAffine3, DQuat, DVec3, UVec2, dcamera::lh::view::look_at_affine3};
+use glam::UVec2;
+use room::room;
 use std::{sync::Arc, time::Instant};
-
-/// A room of grey walls with two balls and a lamp.
-fn room() -> SceneDescription {
-    let object = |name: &str, shape, to_world, material| Object {
-        name: name.into(),
-        shape,
-        to_world,
-        material,
-        emission: None,
-        absorption: None,
-    };
-    let ball = |name, x: f64, material| {
-        let shape = ObjectShape::Sphere { center: DVec3::new(x, -0.6, 0.1), radius: 0.35, inverted: false };
-        object(name, shape, DAffine3::IDENTITY, material)
-    };
-    let down = DQuat::from_rotation_arc(DVec3::Z, DVec3::NEG_Y);
-    let lamp_place = DAffine3::from_scale_rotation_translation(DVec3::splat(0.3), down, DVec3::Y * 0.98);
-    let named = |name: &str, material| NamedMaterial { name: name.into(), material, two_sided: true };
-    SceneDescription {
-        name: "room".into(),
-        camera: Some(CameraDescription {
-            projection: Projection::Perspective { fov_x: 1.4 },
-            to_world: look_at_affine3(DVec3::Z * 0.95, DVec3::ZERO, DVec3::Y).inverse(),
-            resolution: UVec2::splat(64),
-            crop: None,
-        }),
-        materials: vec![
-            named("grey", Material::lambert(Rgb::splat(0.6))),
-            named("glass", Material::dielectric(1.5, None)),
-        ],
-        objects: vec![
-            object("walls", ObjectShape::Cube, DAffine3::IDENTITY, 0),
-            ball("glass ball", 0.4, 1),
-            ball("grey ball", -0.4, 0),
-            Object { emission: Some(Rgb::splat(8.0).into()), ..object("lamp", ObjectShape::Rectangle, lamp_place, 0) },
-        ],
-        ..SceneDescription::default()
-    }
-}
 
 fn main() {
     let most = std::env::args().filter_map(|a| a.parse::<f64>().ok()).next().unwrap_or(1e7);

@@ -6,7 +6,7 @@ use crate::{
     kd_tree::Neighbours,
     kernel::Kernel,
     map::{Gathering, IrradianceMap, PhotonMap},
-    surfaces::has_caustics,
+    surfaces::{has_caustics, takes_photons},
     trace::{Job, Store},
     variants::specialise,
 };
@@ -142,7 +142,7 @@ const GLOBAL: u32 = u32::MAX - 3;
 /// Emissions of a pilot.
 const PILOT: u32 = 1 << 14;
 /// Most emissions for a photon that is wanted: where hardly any arrive, hardly any are traced.
-const MOST_EMISSIONS: f64 = 64.0;
+const MOST_EMISSIONS: f64 = 16.0;
 
 /// Half the diagonal of what is visible, metres; 0 where nothing is.
 pub(crate) fn scene_radius(scene: &Scene) -> f32 {
@@ -209,6 +209,7 @@ impl PhotonMapper {
             && indirect
             && far_enough;
         let global = options.global_photons > 0
+            && takes_photons(self.scene.census())
             && match options.indirect {
                 IndirectLight::Paths => false,
                 IndirectLight::Gather => indirect && far_enough,
@@ -249,7 +250,7 @@ impl PhotonMapper {
         let stored: f64 = fruitful.iter().map(|f| f64::from(f.2) * f64::from(aim.density(f.0, f.1))).sum();
         let emitted = match f64::from(photons) * f64::from(pilot.emitted) / stored {
             n if stored > 0.0 => n.min(MOST_EMISSIONS * f64::from(photons)),
-            _ => MOST_EMISSIONS * f64::from(pilot.emitted),
+            _ => f64::from(pilot.emitted),
         };
         let job = Job { aim: &aim, set: sets[1], emitted: emitted.clamp(1.0, f64::from(u32::MAX)) as u32, ..pilot };
         let traced = specialise!(scene.has(), HAS => job.trace::<HAS>());

@@ -7,6 +7,7 @@ use crate::{
     kernel::Kernel,
     map::{Gathering, PhotonMap},
     mapping::scene_radius,
+    surfaces::takes_photons,
     trace::{Job, Store},
     variants::specialise,
 };
@@ -132,7 +133,9 @@ impl Technique for ProgressiveMapper {
         let size = film.resolution();
         let pixels = f64::from(size.x) * f64::from(size.y);
         let wanted = |part| self.settings.parts.contains(part);
-        let scattered = (wanted(Part::Indirect) || wanted(Part::Caustic)) && self.settings.max_depth >= 3;
+        let scattered = (wanted(Part::Indirect) || wanted(Part::Caustic))
+            && self.settings.max_depth >= 3
+            && takes_photons(self.scene.census());
         let photons = if scattered {
             (self.options.photons * pixels).clamp(FEWEST, f64::from(u32::MAX / PILOT_SHARE)) as u32
         } else {

@@ -23,10 +23,20 @@ fn is_narrow_lobe(lobe: &Lobe) -> bool {
     }
 }
 
+/// Whether any surface of a scene may take photons.
+pub fn takes_photons(census: &Census) -> bool {
+    census.is_lit()
+        && census.lobes.iter().any(|l| match l.kind {
+            LobeKind::Conductor | LobeKind::Dielectric | LobeKind::ThinDielectric | LobeKind::Null => false,
+            LobeKind::RoughConductor | LobeKind::RoughDielectric => l.alpha.1 > NARROW_ALPHA,
+            _ => true,
+        })
+}
+
 /// Whether light can reach a surface that takes photons by way of one that does not: else no caustic photon is traced.
 pub fn has_caustics(census: &Census) -> bool {
     // Light that passes the holes of a mask has been scattered by a delta lobe, as far as paths are concerned.
-    census.has_caustics() || census.is_lit() && census.lobes.iter().any(|l| l.kind == LobeKind::Null)
+    takes_photons(census) && (census.casters > 0 || census.lobes.iter().any(|l| l.kind == LobeKind::Null))
 }
 
 /// The smallest cosine between the normals of a surface and of a photon's for the photon to count there: photons from around

@@ -81,7 +81,7 @@ impl Job<'_> {
         let share = 1.0 / self.emitted as f32;
         for run in runs {
             photons.extend(run.photons.into_iter().map(|(p, mut photon)| {
-                photon.power = photon.power * share;
+                photon.power *= share;
                 (p, photon)
             }));
         }
@@ -155,8 +155,7 @@ impl Job<'_> {
         };
         // Whether it has met a surface that takes photons and been scattered there by a lobe that is no delta.
         let mut wide = false;
-        loop {
-            let Vertex::Surface(vertex) = walk.trace(rays) else { break };
+        while let Vertex::Surface(vertex) = walk.trace(rays) {
             history.depth = vertex.depth;
             let narrow = is_narrow::<HAS>(&vertex.bsdf);
             let stored = match self.store {

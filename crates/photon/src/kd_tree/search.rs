@@ -39,20 +39,20 @@ fn traverse<P>(tree: &KdTree<P>, from: Vec3, mut bound: f32, mut visit: impl FnM
         }
         let node = &tree.nodes[next as usize];
         let mut d2 = [0.0; WIDTH];
-        for i in 0..WIDTH {
+        for (i, d2) in d2.iter_mut().enumerate() {
             let outside = |axis: usize, from: f32| {
                 let (below, above) = (node.low[axis][i] - from, from - node.high[axis][i]);
                 let out = if below > above { below } else { above };
                 if out > 0.0 { out } else { 0.0 }
             };
             let (dx, dy, dz) = (outside(0, from.x), outside(1, from.y), outside(2, from.z));
-            d2[i] = dx * dx + dy * dy + dz * dz;
+            *d2 = dx * dx + dy * dy + dz * dz;
         }
         // The nearest last, so that it is taken first.
         let first = waiting;
-        for i in 0..WIDTH {
-            if d2[i] < bound {
-                let entry = u64::from(d2[i].to_bits()) << 32 | u64::from(node.child[i]);
+        for (d2, child) in d2.iter().zip(&node.child) {
+            if *d2 < bound {
+                let entry = u64::from(d2.to_bits()) << 32 | u64::from(*child);
                 let mut at = waiting;
                 while at > first && stack[at - 1] < entry {
                     stack[at] = stack[at - 1];
