@@ -3,13 +3,13 @@
 use crate::{
     particle::particles,
     strategies::{Event, Paths},
-    variants::specialise,
     weights::Heuristic,
 };
 use etendue_core::{
     film::Film,
     rgb::Rgb,
     scene::Scene,
+    specialise_coarsely,
     statistics::render::RenderStatistics,
     technique::{Bias, Knob, Parts, Settings, Technique, TechniqueInfo},
 };
@@ -60,7 +60,7 @@ impl Technique for Bidirectional {
         let start = Instant::now();
         let (scene, settings, heuristic) = (&*self.scene, &self.settings, self.heuristic);
         let (width, filter, pixels) = (film.resolution().x, film.filter(), particles(film));
-        let counted = specialise!(scene.has(), HAS => film.add_splat_pass(
+        let counted = specialise_coarsely!(scene.has(), HAS => film.add_splat_pass(
             BIDIR.name,
             pass,
             0,

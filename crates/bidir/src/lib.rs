@@ -84,7 +84,6 @@ pub mod densities;
 mod light;
 pub mod particle;
 pub mod strategies;
-mod variants;
 pub mod weights;
 
 pub use bidirectional::{BIDIR, Bidirectional};

@@ -1,9 +1,6 @@
 //! Light tracing.
 
-use crate::{
-    particle::{Particle, connects, particles, see},
-    variants::specialise,
-};
+use crate::particle::{Particle, connects, particles, see};
 use etendue_core::{
     film::{Film, Splats},
     filter::Filter,
@@ -11,6 +8,7 @@ use etendue_core::{
     rgb::Rgb,
     sampler::{Purpose, Sampler},
     scene::Scene,
+    specialise_coarsely,
     statistics::render::{Rays, RenderStatistics},
     technique::{Bias, Part, Parts, Settings, Technique, TechniqueInfo},
     walk::{Vertex, Walk},
@@ -56,7 +54,7 @@ impl Technique for LightTracer {
         let (width, filter) = (film.resolution().x, film.filter());
         let scattered = Part::ALL.into_iter().any(|part| part != Part::Emission && settings.parts.contains(part));
         let paths = if scattered { particles(film) } else { 0 };
-        let counted = specialise!(scene.has(), HAS => film.add_splat_pass(
+        let counted = specialise_coarsely!(scene.has(), HAS => film.add_splat_pass(
             LIGHT.name,
             pass,
             paths,

@@ -82,7 +82,6 @@ pub mod photon;
 mod progressive;
 pub mod surfaces;
 pub mod trace;
-mod variants;
 
 pub use mapping::{IndirectLight, Options, PHOTON, PhotonMapper};
 pub use progressive::{ProgressiveMapper, ProgressiveOptions, SPPM, shrinkage};

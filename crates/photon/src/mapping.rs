@@ -8,11 +8,11 @@ use crate::{
     map::{Gathering, IrradianceMap, PhotonMap},
     surfaces::{has_caustics, takes_photons},
     trace::{Job, Store},
-    variants::specialise,
 };
 use etendue_core::{
     film::Film,
     scene::Scene,
+    specialise_coarsely,
     statistics::render::RenderStatistics,
     technique::{Bias, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
 };
@@ -243,7 +243,7 @@ impl PhotonMapper {
         };
         let settings = &Settings { max_depth, ..self.settings };
         let pilot = Job { scene, settings, store, aim: &unaimed, seed, set: sets[0], emitted: PILOT.min(photons) };
-        let (fruitful, counted) = specialise!(scene.has(), HAS => pilot.pilot::<HAS>());
+        let (fruitful, counted) = specialise_coarsely!(scene.has(), HAS => pilot.pilot::<HAS>());
         self.statistics.merge(&counted);
         let aim = if store == Store::Caustic { Aim::at(&fruitful) } else { Aim::default() };
         // What an aimed emission yields, seen from the pilot's.
@@ -253,7 +253,7 @@ impl PhotonMapper {
             _ => f64::from(pilot.emitted),
         };
         let job = Job { aim: &aim, set: sets[1], emitted: emitted.clamp(1.0, f64::from(u32::MAX)) as u32, ..pilot };
-        let traced = specialise!(scene.has(), HAS => job.trace::<HAS>());
+        let traced = specialise_coarsely!(scene.has(), HAS => job.trace::<HAS>());
         self.statistics.merge(&traced.statistics);
         PhotonMap::new(traced.photons)
     }
@@ -290,7 +290,7 @@ impl Technique for PhotonMapper {
             },
         };
         let settings = &self.settings;
-        let counted = specialise!(self.scene.has(), HAS => film.add_pass(
+        let counted = specialise_coarsely!(self.scene.has(), HAS => film.add_pass(
             PHOTON.name,
             pass,
             || ((settings.sampler)(seed, settings.planned_passes), Neighbours::default()),

@@ -9,11 +9,11 @@ use crate::{
     mapping::scene_radius,
     surfaces::takes_photons,
     trace::{Job, Store},
-    variants::specialise,
 };
 use etendue_core::{
     film::Film,
     scene::Scene,
+    specialise_coarsely,
     statistics::render::RenderStatistics,
     technique::{Bias, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
 };
@@ -121,7 +121,7 @@ impl ProgressiveMapper {
     fn trace(&mut self, seed: u64, set: u32, emitted: u32) -> PhotonMap {
         let (scene, settings) = (&*self.scene, &self.settings);
         let job = Job { scene, settings, store: Store::Scattered, aim: &Aim::default(), seed, set, emitted };
-        let traced = specialise!(scene.has(), HAS => job.trace::<HAS>());
+        let traced = specialise_coarsely!(scene.has(), HAS => job.trace::<HAS>());
         self.statistics.merge(&traced.statistics);
         PhotonMap::new(traced.photons)
     }
@@ -170,7 +170,7 @@ impl Technique for ProgressiveMapper {
             },
         };
         let settings = &self.settings;
-        let counted = specialise!(self.scene.has(), HAS => film.add_pass(
+        let counted = specialise_coarsely!(self.scene.has(), HAS => film.add_pass(
             SPPM.name,
             pass,
             || ((settings.sampler)(seed, settings.planned_passes), Neighbours::default()),
