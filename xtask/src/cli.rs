@@ -267,6 +267,7 @@ pub struct CompareArgs {
   cargo xtask study --scenes cornell,sky --seconds 30 --replicates 8 --out study
   cargo xtask study --scenes scene.xml --reference truth.exr
   cargo xtask study --scenes ring --techniques path,bidir --region caustic:0.2
+  cargo xtask study --scenes pool --techniques photon,sppm --knob photon.nearest=100
   open study/report.html
 
 Results are kept in OUT as they come. Interrupted and started again with the same arguments, a study goes on where it
@@ -278,6 +279,10 @@ pub struct StudyArgs {
     /// Techniques
     #[arg(long, value_delimiter = ',', value_name = "NAME,..", default_value = "path")]
     pub techniques: Vec<String>,
+    /// Turn a knob of a technique, as `cargo xtask techniques` lists them; again for more. Some scenes have knobs of their own,
+    /// which the report tells
+    #[arg(long = "knob", value_name = "TECHNIQUE.NAME=VALUE")]
+    pub knobs: Vec<String>,
     /// Random numbers; every technique runs with each of them
     #[arg(long, alias = "sampler", value_delimiter = ',', value_name = "NAME,..", default_value = "independent")]
     pub samplers: Vec<String>,

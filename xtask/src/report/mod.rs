@@ -147,14 +147,17 @@ fn series(group: &Group, cells: &[&Cell], noise: f64, images: &Path) -> Series {
 fn label(section: &mut Section) {
     let first = section.series[0].group.clone();
     let differs = |f: fn(&Group, &Group) -> bool| section.series.iter().any(|s| f(&s.group, &first));
-    let (knobs, sampler) = (differs(|a, b| a.knobs != b.knobs), differs(|a, b| a.sampler != b.sampler));
+    let sampler = differs(|a, b| a.sampler != b.sampler);
     let (seed, threads) = (differs(|a, b| a.seed != b.seed), differs(|a, b| a.threads != b.threads));
+    // Of knobs those that tell series of one technique apart.
+    let groups: Vec<Group> = section.series.iter().map(|s| s.group.clone()).collect();
+    let told_apart = |group: &Group, knob: &str| {
+        groups.iter().any(|g| g.technique == group.technique && g.knobs.get(knob) != group.knobs.get(knob))
+    };
     for s in &mut section.series {
         let g = &s.group;
         let mut label = g.technique.clone();
-        if knobs {
-            g.knobs.iter().for_each(|(k, v)| label += &format!(" {k}={v}"));
-        }
+        g.knobs.iter().filter(|(k, _)| told_apart(g, k)).for_each(|(k, v)| label += &format!(" {k}={v}"));
         if sampler {
             label += &format!(" {}", g.sampler);
         }

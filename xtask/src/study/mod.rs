@@ -1,6 +1,7 @@
 //! `study`: what accuracy costs, cell by cell.
 
 pub mod cell;
+mod presets;
 pub mod references;
 pub mod region;
 pub mod replicates;
@@ -135,18 +136,45 @@ fn load_jobs(args: &StudyArgs) -> Result<Vec<Job>, Error> {
         }
         size = size.or(Some(Size::Exact(Reference::read(path)?.picture.size)));
     }
-    let wish = |technique: &String, sampler: &String| Wish {
+    let own = own_knobs(args)?;
+    let wish = |scene: &str, technique: &String, sampler: &String| Wish {
         technique: technique.clone(),
-        knobs: vec![],
+        // What is given last holds.
+        knobs: presets::knobs(scene, technique)
+            .into_iter()
+            .chain(own.iter().filter(|(t, _)| *t == technique).map(|(_, knob)| knob.to_string()))
+            .collect(),
         sampler: sampler.clone(),
         parts: vec![],
         size: size.or(Some(DEFAULT_SIZE)),
         depth: args.image.depth,
         load: args.load.into(),
     };
-    let with_samplers = |technique| args.samplers.iter().map(move |sampler| wish(technique, sampler));
-    let wishes: Vec<Wish> = args.techniques.iter().flat_map(with_samplers).collect();
-    scenes.iter().flat_map(|s| wishes.iter().map(move |w| Job::load(s, w))).collect()
+    let mut jobs = Vec::new();
+    for scene in &scenes {
+        for technique in &args.techniques {
+            for sampler in &args.samplers {
+                jobs.push(Job::load(scene, &wish(scene, technique, sampler))?);
+            }
+        }
+    }
+    Ok(jobs)
+}
+
+/// Knobs that were given, with their techniques.
+fn own_knobs(args: &StudyArgs) -> Result<Vec<(&str, &str)>, Error> {
+    let studied = |technique: &str| args.techniques.iter().any(|t| t == technique);
+    let mut knobs = Vec::new();
+    for text in &args.knobs {
+        match text.split_once('.') {
+            Some((technique, knob)) if studied(technique) => knobs.push((technique, knob)),
+            Some((technique, _)) if !technique.contains('=') => {
+                return Err(Error::Input(format!("--knob {text}: the technique `{technique}` is not studied")));
+            }
+            _ => return Err(Error::Input(format!("--knob {text}: not `technique.name=value`"))),
+        }
+    }
+    Ok(knobs)
 }
 
 fn create(folder: &Path) -> Result<(), Error> {
