@@ -323,14 +323,14 @@ pub const QUICK_SCENES: [&str; 4] = ["cornell", "veach-mis", "sky", "many-lights
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   cargo xtask reference                                    (every built-in scene, a minute each)
-  cargo xtask reference --scenes ring,glass-caustic --technique bidir --seconds 600
+  cargo xtask reference --scenes ring,glass-caustic --seconds 600
   cargo xtask reference --scenes cornell --passes 4096 --size 256
 
 Writes SCENE.exr with the mean (R, G, B) and the variance of the mean (variance.R, ..), and an entry in reference.json.")]
 pub struct ReferenceArgs {
-    /// Technique: one that finds all that the scene's light does
-    #[arg(long, default_value = "path", value_name = "NAME")]
-    pub technique: String,
+    /// Technique: one that finds all that the scene's light does [default: one that does, for each built-in scene; else path]
+    #[arg(long, value_name = "NAME")]
+    pub technique: Option<String>,
     /// Scenes [default: every built-in one]
     #[arg(long, value_delimiter = ',', value_name = "SCENE,..")]
     pub scenes: Vec<String>,

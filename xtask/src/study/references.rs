@@ -4,7 +4,7 @@
 use crate::{
     error::Error,
     files,
-    job::Job,
+    job::{Job, Wish},
     reference::{self, Reference, Store},
     render::Budget,
     study::region::Region,
@@ -123,8 +123,9 @@ impl References {
         if let Some(found) = self.made_before(job, seconds, want.region)? {
             return Ok(Some(found));
         }
-        // Made by path tracing with every part of the light, whatever the study is of.
+        // Made with every part of the light, whatever the study is of.
         let wish = reference::wish(Some(crate::job::Size::Exact(job.key.size())), Some(job.key.depth), job.load);
+        let wish = Wish { technique: reference::technique(&job.key.scene).into(), ..wish };
         let maker = Job::load(&job.key.scene, &wish)?;
         let made = reference::make(&maker, want.threads, want.seed, Budget::Seconds(seconds))?;
         let Some((mut reference, entry)) = made else { return Ok(None) };
