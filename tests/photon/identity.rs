@@ -25,12 +25,7 @@ fn mapper(run: &Run, options: Options) -> PhotonMapper {
 #[test]
 fn without_casters_there_is_no_caustic_map() {
     for scene in ["cornell", "many-lights:n=32", "furnace", "furnace:material=rough-conductor,alpha=0.3"] {
-        let Ok(loaded) = etendue_scenes::load(scene) else { panic!("{scene}") };
-        let mut run = Run::new(&loaded);
-        run.resolution = glam::UVec2::splat(24);
-        let mut loaded = loaded;
-        loaded.description.camera.as_mut().expect("a camera").resolution = run.resolution;
-        let run = Run::new(&loaded);
+        let run = Run::builtin(scene, 24);
         assert!(!run.scene.census().has_caustics(), "{scene}");
         let paths = Options { indirect: IndirectLight::Paths, ..Options::default() };
         let mut photon = mapper(&run, paths);

@@ -26,7 +26,7 @@ fn bsdf_weight(history: History, bsdf_pdf: f32, light_pdf: f32) -> f32 {
 
 /// The part of the light that a path belongs to that ran into a light.
 #[inline]
-pub fn seen_part(history: History, infinite: bool) -> Part {
+fn seen_part(history: History, infinite: bool) -> Part {
     match history {
         History { rough: 0, .. } => Part::Emission,
         History { last_delta: true, .. } => Part::Caustic,

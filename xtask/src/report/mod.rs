@@ -17,8 +17,10 @@ use crate::{
         references::{References, SceneFacts},
         results::{Cell, Group, Results},
     },
+    techniques,
 };
 use analysis::{Point, Reach, SlopeFit};
+use etendue_core::technique::TechniqueInfo;
 use serde::Serialize;
 use std::path::Path;
 
@@ -149,7 +151,7 @@ fn label(section: &mut Section) {
     let differs = |f: fn(&Group, &Group) -> bool| section.series.iter().any(|s| f(&s.group, &first));
     let sampler = differs(|a, b| a.sampler != b.sampler);
     let (seed, threads) = (differs(|a, b| a.seed != b.seed), differs(|a, b| a.threads != b.threads));
-    // Of knobs those that tell series of one technique apart.
+    // Of knobs those that tell series of one technique apart, and those that are not at their defaults.
     let groups: Vec<Group> = section.series.iter().map(|s| s.group.clone()).collect();
     let told_apart = |group: &Group, knob: &str| {
         groups.iter().any(|g| g.technique == group.technique && g.knobs.get(knob) != group.knobs.get(knob))
@@ -157,7 +159,12 @@ fn label(section: &mut Section) {
     for s in &mut section.series {
         let g = &s.group;
         let mut label = g.technique.clone();
-        g.knobs.iter().filter(|(k, _)| told_apart(g, k)).for_each(|(k, v)| label += &format!(" {k}={v}"));
+        let turned = |knob: &str, value: f64| {
+            let of_it = |t: &'static TechniqueInfo| t.knobs.iter().find(|k| k.name == knob);
+            techniques::find(&g.technique).ok().and_then(of_it).is_some_and(|k| k.default != value)
+        };
+        let told = g.knobs.iter().filter(|(k, v)| told_apart(g, k) || turned(k, **v));
+        told.for_each(|(k, v)| label += &format!(" {k}={v}"));
         if sampler {
             label += &format!(" {}", g.sampler);
         }
