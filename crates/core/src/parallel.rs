@@ -47,6 +47,14 @@ pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> 
     return (a(), b());
 }
 
+/// Calls `work` with every item.
+pub(crate) fn for_each<T: Send>(items: &mut [T], work: impl Fn(&mut T) + Sync) {
+    #[cfg(feature = "parallel")]
+    items.par_iter_mut().for_each(|item| work(item));
+    #[cfg(not(feature = "parallel"))]
+    items.iter_mut().for_each(work);
+}
+
 /// Whether `good` holds of every item.
 pub(crate) fn all<T: Sync>(items: &[T], good: impl Fn(&T) -> bool + Sync) -> bool {
     // Within a run without branches, so that many are looked at at once.

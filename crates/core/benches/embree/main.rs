@@ -141,6 +141,9 @@ fn main() {
         "mesh", "class", "ours", "robust", "default", "/robust", "/default"
     );
     for (name, mesh, view) in meshes::peers() {
+        if std::env::var("ETENDUE_MESH").is_ok_and(|m| !m.contains(name)) {
+            continue;
+        }
         let (geometry, ours) = built(|| Geometry::build(vec![Shape::Mesh(mesh.clone())], vec![], vec![]));
         let (fast, theirs) = built(|| embree.scene(&mesh, false));
         let robust = embree.scene(&mesh, true);

@@ -4,9 +4,10 @@
 
 use super::{
     Geometry, Hit,
-    bvh::{Node, Prepared, WIDTH, traverse::Best},
+    bvh::{Arena, Child, Node, Prepared, ROW, WIDTH, traverse::Best},
 };
 use crate::ray::Ray;
+use std::mem::MaybeUninit;
 
 /// The instruction set that walks run on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,15 +96,15 @@ impl Kernel for Avx2 {
 fn boxes_avx2(ray: &Prepared, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32) {
     use std::arch::x86_64::*;
     let (origin, inverse, inverse_far, near) = ray.slabs();
-    let plane = |axis: usize, side: usize, inverse: &[f32; 3]| {
-        let bounds = &node.bounds[axis][side & 1];
-        // SAFETY: `bounds` are eight floats.
-        let bounds = unsafe { _mm256_loadu_ps(bounds.as_ptr()) };
+    let rows = node.bounds.as_ptr().cast::<f32>();
+    let plane = |axis: usize, row: usize, inverse: &[f32; 3]| {
+        // SAFETY: `row` is where one of the six rows of eight floats begins.
+        let bounds = unsafe { _mm256_loadu_ps(rows.byte_add(row)) };
         let from = _mm256_sub_ps(bounds, _mm256_set1_ps(origin[axis]));
         _mm256_castps_si256(_mm256_mul_ps(from, _mm256_set1_ps(inverse[axis])))
     };
     let enter = |axis: usize| plane(axis, near[axis], inverse);
-    let leave = |axis: usize| plane(axis, near[axis] ^ 1, inverse_far);
+    let leave = |axis: usize| plane(axis, near[axis] ^ ROW, inverse_far);
     let first =
         _mm256_max_epi32(_mm256_max_epi32(enter(0), enter(1)), _mm256_max_epi32(enter(2), _mm256_setzero_si256()));
     let cutoff = _mm256_castps_si256(_mm256_set1_ps(cutoff));
@@ -142,21 +143,39 @@ fn occluded_avx2<const HAS: u32>(geometry: &Geometry, ray: &Ray) -> bool {
     geometry.walk::<Avx2, HAS, true>(ray, &mut Best::new(ray.t_max))
 }
 
-/// Asks for a value that is likely to be read soon to be brought near.
+/// Asks for a node or a pack that is likely to be read soon to be brought near; of other children it does something harmless.
 #[inline(always)]
-pub(super) fn prefetch<T>(value: &T) {
+pub(super) fn prefetch(arena: &Arena, child: Child) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let line = std::ptr::from_ref(value).cast::<i8>();
-        for offset in (0..size_of::<T>()).step_by(64) {
-            // SAFETY: the address lies within `value`; a prefetch reads nothing that the program can observe, and SSE,
-            // which has the instruction, is part of the architecture.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(line.add(offset)) };
+        let first = arena.start().wrapping_add(child.index()).cast::<i8>();
+        for offset in (0..size_of::<Node>()).step_by(64) {
+            // SAFETY: a prefetch reads nothing that the program can observe, from whatever address; SSE, which has the
+            // instruction, is part of the architecture.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(offset)) };
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = value;
+    let _ = (arena, child);
+}
+
+/// Asks the system to back memory that nothing has been written to by large pages. What it answers makes no difference.
+pub(super) fn ask_for_large_pages<T>(memory: &mut [MaybeUninit<T>]) {
+    #[cfg(target_os = "linux")]
+    {
+        /// Pages that fit in are asked for: of two megabytes on x86-64, and not smaller elsewhere.
+        const PAGE: usize = 2 << 20;
+        let bytes = size_of_val(memory);
+        let first = memory.as_mut_ptr().cast::<u8>();
+        let skipped = first.align_offset(PAGE);
+        if let Some(whole) = bytes.checked_sub(skipped).map(|left| left / PAGE * PAGE).filter(|whole| *whole > 0) {
+            // SAFETY: the range lies within `memory`; the advice changes neither its contents nor who may access it.
+            unsafe { libc::madvise(first.add(skipped).cast(), whole, libc::MADV_HUGEPAGE) };
+        }
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = memory;
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Building the hierarchy.
 
 use super::{
-    Bvh, Child, Node, Pack,
+    Bvh, Child, Pack,
     collapse::{Lone, Plan},
     node::{LANES, WIDTH},
     split::cut,
@@ -32,6 +32,8 @@ pub(in crate::geometry) struct Reference {
     /// Which of its kind.
     pub index: u32,
 }
+
+const ROOM: &str = "no more primitives than a hierarchy has room for";
 
 impl Bvh {
     /// Builds the hierarchy; `triangle` gives the vertices of a primitive.
@@ -84,10 +86,10 @@ impl<F: Fn(u32) -> [Vec3; 3]> Emitter<'_, F> {
             self.bvh.root = Some(self.leaf(0));
             return;
         }
-        self.bvh.root = Some(Child::node(0));
-        self.bvh.nodes.push(Node::EMPTY);
+        let root = self.node();
+        self.bvh.root = Some(root);
         // Depth first, so that what is near in space is near in memory. Entries: binary node, wide node, depth.
-        let mut pending = vec![(0, 0, 1)];
+        let mut pending = vec![(0, root, 1)];
         let mut depth = 0;
         let mut children = Vec::with_capacity(WIDTH);
         while let Some((from, to, level)) = pending.pop() {
@@ -98,19 +100,22 @@ impl<F: Fn(u32) -> [Vec3; 3]> Emitter<'_, F> {
                 let child = if self.plan.is_leaf(n) {
                     self.leaf(n)
                 } else {
-                    let index = self.bvh.nodes.len();
-                    self.bvh.nodes.push(Node::EMPTY);
-                    pending.push((n, index, level + 1));
-                    Child::node(index as u32)
+                    let node = self.node();
+                    pending.push((n, node, level + 1));
+                    node
                 };
                 let (lo, hi) = (self.binary[n].lo, self.binary[n].hi);
-                self.bvh.nodes[to].set(slot, lo, hi, child);
+                self.bvh.arena.node_mut(to).set(slot, lo, hi, child);
             }
         }
         // On the way down each node leaves all its children but one on the stack.
         self.bvh.stack = depth * (WIDTH - 1) + 1;
-        self.bvh.nodes.shrink_to_fit();
-        self.bvh.packs.shrink_to_fit();
+        self.bvh.arena.settle();
+    }
+
+    /// Adds a wide node.
+    fn node(&mut self) -> Child {
+        self.bvh.arena.push_node().expect(ROOM)
     }
 
     /// Makes a leaf of a binary node.
@@ -141,7 +146,6 @@ impl<F: Fn(u32) -> [Vec3; 3]> Emitter<'_, F> {
                 pending.extend([node.first as usize + 1, node.first as usize]);
             }
         }
-        self.bvh.packs.push(pack);
-        Child::pack(self.bvh.packs.len() as u32 - 1)
+        self.bvh.arena.push_pack(pack).expect(ROOM)
     }
 }

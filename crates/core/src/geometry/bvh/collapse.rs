@@ -1,6 +1,9 @@
 //! From the binary tree to the wide one, at the least expected cost.
 
-use super::{node::WIDTH, topology::Binary};
+use super::{
+    node::WIDTH,
+    topology::{Binary, unit_scale},
+};
 use glam::Vec3;
 
 /// Expected cost of testing the eight boxes of a node, in units of which the constants below are multiples.
@@ -30,9 +33,7 @@ pub(super) struct Plan<'a> {
 impl<'a> Plan<'a> {
     /// Plans the collapse; `fits` says of a node with two references or more whether a pack can hold it.
     pub fn new(nodes: &'a [Binary], lone_cost: impl Fn(&Binary) -> Lone, fits: impl Fn(usize) -> bool) -> Plan<'a> {
-        let extent = (nodes[0].hi * 0.5 - nodes[0].lo * 0.5).max_element();
-        let scale = if extent > 0.0 { 0.5 / extent } else { 0.0 };
-        let scale = if scale.is_finite() { scale } else { f32::MAX };
+        let scale = unit_scale(&nodes[0]);
         let mut plan = Plan { nodes, costs: vec![[0.0; WIDTH - 1]; nodes.len()], leaf: vec![false; nodes.len()] };
         for n in (0..nodes.len()).rev() {
             let node = &nodes[n];

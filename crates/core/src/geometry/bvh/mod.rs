@@ -12,23 +12,23 @@ mod build;
 mod collapse;
 mod node;
 mod prepared;
+mod repack;
 mod split;
+mod stack;
 mod topology;
 pub(super) mod traverse;
 
 pub(super) use build::{Kind, Reference};
-pub(super) use node::{Child, Node, Pack, WIDTH};
-pub(super) use prepared::Prepared;
+pub(super) use node::{Arena, Child, Node, Pack, WIDTH};
+pub(super) use prepared::{Prepared, ROW};
 
 use glam::Vec3;
 
 /// A hierarchy over the primitives of the top level, or of one group.
 #[derive(Debug, Default)]
 pub(super) struct Bvh {
-    /// Inner nodes, parents before children.
-    nodes: Vec<Node>,
-    /// Leaves of triangles.
-    packs: Vec<Pack>,
+    /// Inner nodes, and leaves of triangles.
+    arena: Arena,
     /// Where traversal starts; `None` when there is nothing.
     root: Option<Child>,
     /// Entries that a traversal stack can need.
@@ -45,6 +45,6 @@ impl Bvh {
 
     /// Bytes of nodes and packs.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.packs[..])
+        self.arena.memory_bytes()
     }
 }

@@ -8,6 +8,9 @@ use glam::{Vec3, Vec4};
 /// the three roundings of the box test itself.
 pub(super) const STRETCH: f32 = 1.0 + 34.0 * ROUNDOFF;
 
+/// Bytes of a row of bounds: the same bound of all boxes of a node.
+pub(in crate::geometry) const ROW: usize = size_of::<[f32; WIDTH]>();
+
 /// A ray, and what the tests need of it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::geometry) struct Prepared {
@@ -17,7 +20,7 @@ pub(in crate::geometry) struct Prepared {
     inverse: [f32; 3],
     /// The same, stretched: for the planes through which a ray leaves a box.
     inverse_far: [f32; 3],
-    /// Which of a box's bounds the ray meets first, by axis: 0 the lower, 1 the upper.
+    /// Which bounds of boxes the ray meets first, by axis: where their row begins among [`Node::bounds`], in bytes.
     near: [usize; 3],
     /// The axes: two others, then the one along which the direction is largest.
     axes: [usize; 3],
@@ -40,14 +43,14 @@ impl Prepared {
         let x = if z == 2 { 0 } else { z + 1 };
         let y = 3 - z - x;
         let scale = 1.0 / d[z];
-        let inverse = d.map(inverse);
+        let inverse = [inverse(d[0]), inverse(d[1]), inverse(d[2])];
         Prepared {
             origin: ray.origin.to_array(),
             direction,
             inverse,
-            inverse_far: inverse.map(|i| i * STRETCH),
+            inverse_far: [inverse[0] * STRETCH, inverse[1] * STRETCH, inverse[2] * STRETCH],
             // By the sign bit: the inverse of -0.0 is negative infinity.
-            near: [negative(d[0]), negative(d[1]), negative(d[2])],
+            near: [negative(d[0]) * ROW, (2 + negative(d[1])) * ROW, (4 + negative(d[2])) * ROW],
             axes: [x, y, z],
             shear: [d[x] * scale, d[y] * scale, scale],
             t_max: ray.t_max,
@@ -62,8 +65,8 @@ impl Prepared {
         min(t, 0.5 * f32::MAX) * STRETCH
     }
 
-    /// What the boxes of a node are tested with: where the ray starts, the inverses for near and for far planes, and
-    /// which plane of each axis is near.
+    /// What the boxes of a node are tested with: where the ray starts, the inverses for near and for far planes, and where
+    /// the row of near planes of each axis begins, in bytes; that of far planes differs by the bit [`ROW`].
     #[inline(always)]
     pub fn slabs(&self) -> (&[f32; 3], &[f32; 3], &[f32; 3], &[usize; 3]) {
         (&self.origin, &self.inverse, &self.inverse_far, &self.near)
@@ -74,9 +77,8 @@ impl Prepared {
     pub fn boxes(&self, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32) {
         let ([ox, oy, oz], [ix, iy, iz], [fx, fy, fz], near) = self.slabs();
         let [x, y, z] = &node.bounds;
-        let (x0, x1) = (&x[near[0] & 1], &x[(near[0] & 1) ^ 1]);
-        let (y0, y1) = (&y[near[1] & 1], &y[(near[1] & 1) ^ 1]);
-        let (z0, z1) = (&z[near[2] & 1], &z[(near[2] & 1) ^ 1]);
+        let [nx, ny, nz] = near.map(|row| row / ROW % 2);
+        let (x0, x1, y0, y1, z0, z1) = (&x[nx], &x[nx ^ 1], &y[ny], &y[ny ^ 1], &z[nz], &z[nz ^ 1]);
         let mut enter = [0.0f32; WIDTH];
         let mut hits = 0;
         for i in 0..WIDTH {
@@ -117,7 +119,8 @@ impl Prepared {
     pub fn distances(&self, pack: &Pack, edges: &Edges, nearest: f32) -> Distances {
         let [u, v, w] = edges.weights;
         let scale = Vec4::splat(self.shear[2]);
-        let [a, b, c] = edges.depths.map(|depth| depth * scale);
+        let [a, b, c] = edges.depths;
+        let (a, b, c) = (a * scale, b * scale, c * scale);
         let zero = Vec4::ZERO;
         let inverse = Vec4::ONE / (u + v + w);
         let (v, w) = (v * inverse, w * inverse);
@@ -143,7 +146,10 @@ impl Prepared {
     }
 
     /// Decides about a triangle that [`Prepared::distances`] leaves in doubt: (t, u, v) of a hit in (0, t_max).
-    pub fn decide(&self, pack: &Pack, edges: &Edges, lane: usize) -> Option<(f32, f32, f32)> {
+    #[inline(never)]
+    pub fn decide(&self, pack: &Pack, lane: usize) -> Option<(f32, f32, f32)> {
+        // Once more, so that what is rare does not keep the tests of others out of registers.
+        let edges = self.edges(pack);
         let [mut u, mut v, mut w] = edges.weights.map(|e| e[lane]);
         if u == 0.0 || v == 0.0 || w == 0.0 {
             [u, v, w] = self.exact_edges(pack, lane);
@@ -181,7 +187,6 @@ impl Prepared {
 
     /// Where the ray meets the triangle's plane, in double precision: for rays that leave or end near the plane, where
     /// the sign of `t`, or of `t_max - t`, must be right. `None` outside (0, t_max).
-    #[inline(never)]
     fn exact_t(&self, pack: &Pack, lane: usize, most: f32) -> Option<f32> {
         let [a, b, c] = pack.triangle(lane).map(Vec3::as_dvec3);
         let n = (b - a).cross(c - a);

@@ -5,13 +5,15 @@ use super::{Kind, Reference};
 use glam::{DVec3, Vec3};
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-/// Boxes of less than this multiple of the mean area are left alone.
-const LEAST_AREA: f64 = 4.0;
+/// Boxes of less than this multiple of the median area are left alone,
+const LEAST_OF_MEDIAN: f64 = 4.0;
+/// and those of less than this multiple of the mean.
+const LEAST_OF_MEAN: f64 = 0.6;
 /// What both halves together may have of a box's area for the cut to be worth its while. A compact triangle's halves have
 /// three quarters, those of a long one that runs askew one half.
 const MOST_LEFT: f64 = 0.65;
 /// Most boxes that are added, as a share of those there are.
-const BUDGET: f64 = 0.5;
+const BUDGET: f64 = 0.44;
 
 /// A box that is worth cutting.
 struct Candidate {
@@ -45,7 +47,11 @@ impl Ord for Candidate {
 /// As the presplitting of [Karras and Aila 2013, sec. 4.3] with cuts in the middle of the longest side.
 pub(super) fn cut(references: &mut Vec<Reference>, triangle: &impl Fn(u32) -> [Vec3; 3]) {
     let area = |r: &Reference| half_area(r.lo.as_dvec3(), r.hi.as_dvec3());
-    let least = LEAST_AREA * references.iter().map(area).sum::<f64>() / references.len() as f64;
+    let mut areas: Vec<f64> = references.iter().map(area).collect();
+    let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+    let middle = areas.len() / 2;
+    let median = *areas.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let least = (LEAST_OF_MEDIAN * median).max(LEAST_OF_MEAN * mean);
     let candidate = |index: usize, r: &Reference| {
         let whole = area(r);
         if r.kind != Kind::Triangle || whole.partial_cmp(&least) != Some(Ordering::Greater) {

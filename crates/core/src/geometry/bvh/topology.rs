@@ -1,6 +1,6 @@
 //! The binary tree that the wide hierarchy is collapsed from.
 
-use super::Reference;
+use super::{Reference, repack::repack};
 use crate::digest::{GOLDEN, mix};
 use glam::Vec3;
 use obvhs::{
@@ -20,11 +20,16 @@ pub(super) struct Binary {
     pub count: u32,
 }
 
+impl Binary {
+    /// A leaf whose reference is not known yet.
+    pub const EMPTY: Binary = Binary { lo: Vec3::ZERO, hi: Vec3::ZERO, first: 0, count: 1 };
+}
+
 /// Share of the nodes that are put back where they cost least, in the first of several rounds. [Meister and Bittner 2018b]
 const REINSERTED: f32 = 0.02;
 
-/// Builds the tree by parallel locally-ordered clustering. [Meister and Bittner 2018] The root is the first node, children
-/// come after their parents.
+/// Builds the tree by parallel locally-ordered clustering [Meister and Bittner 2018], and its smallest subtrees by division.
+/// The root is the first node, children come after their parents.
 ///
 /// Clustering only decides who is next to whom; boxes are those of the references, in their own scale.
 pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
@@ -34,7 +39,7 @@ pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
         PlocBuilder::with_capacity(boxes.len()).build(PlocSearchDistance::High, &boxes, indices, SortPrecision::U64, 0);
     ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
     // Reinsertion leaves children anywhere; they come after their parents again, in pairs.
-    let mut nodes = vec![Binary { lo: Vec3::ZERO, hi: Vec3::ZERO, first: 0, count: 1 }];
+    let mut nodes = vec![Binary::EMPTY];
     let mut pending = vec![(0, 0)];
     while let Some((from, to)) = pending.pop() {
         let n = &tree.nodes[from];
@@ -43,11 +48,19 @@ pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
         } else {
             let first = nodes.len();
             nodes[to] = Binary { first: first as u32, count: 0, ..nodes[to] };
-            nodes.extend([Binary { lo: Vec3::ZERO, hi: Vec3::ZERO, first: 0, count: 1 }; 2]);
+            nodes.extend([Binary::EMPTY; 2]);
             pending.push((n.first_index as usize + 1, first + 1));
             pending.push((n.first_index as usize, first));
         }
     }
+    bound(&mut nodes, references);
+    let mut nodes = repack(&nodes, references);
+    bound(&mut nodes, references);
+    nodes
+}
+
+/// Gives boxes and counts to nodes, from the leaves on.
+fn bound(nodes: &mut [Binary], references: &[Reference]) {
     for i in (0..nodes.len()).rev() {
         let node = nodes[i];
         nodes[i] = if node.count == 1 {
@@ -58,7 +71,13 @@ pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
             Binary { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi), first: node.first, count: a.count + b.count }
         };
     }
-    nodes
+}
+
+/// What lengths in a tree are multiplied by so that areas neither overflow nor vanish: its root becomes half a unit long.
+pub(super) fn unit_scale(root: &Binary) -> f32 {
+    let extent = (root.hi * 0.5 - root.lo * 0.5).max_element();
+    let scale = if extent > 0.0 { 0.5 / extent } else { 0.0 };
+    if scale.is_finite() { scale } else { f32::MAX }
 }
 
 /// The boxes in the unit cube, each moved by a small part of its own size.

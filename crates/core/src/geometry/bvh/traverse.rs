@@ -3,16 +3,16 @@
 use super::{
     Bvh, Child, Prepared,
     node::{LANES, WIDTH},
+    stack::{Entry, Stack},
 };
 use crate::geometry::{
     Hit, NO_INSTANCE,
     dispatch::{Kernel, prefetch},
 };
+use std::mem::MaybeUninit;
 
-/// Entries of the stack in the frame of a walk through a flat hierarchy, kept small because it is cleared for each ray.
-const SMALL_STACK: usize = 32;
-/// The same for deeper ones; what needs more takes its stack from the heap.
-const LARGE_STACK: usize = 128;
+/// Entries of the stack in the frame of a walk; what needs more takes its stack from the heap.
+const STACK: usize = 128;
 
 /// The best hit so far, and how far it is still worth looking.
 #[derive(Clone, Copy, Debug)]
@@ -58,26 +58,25 @@ impl Bvh {
         other: impl FnMut(Child, &mut Best) -> bool,
     ) -> bool {
         let Some(root) = self.root else { return false };
-        if self.stack <= SMALL_STACK {
-            self.walk_with::<K, ANY, OTHER>(&mut [0; SMALL_STACK], root, ray, instance, best, other)
-        } else if self.stack <= LARGE_STACK {
-            self.walk_with::<K, ANY, OTHER>(&mut [0; LARGE_STACK], root, ray, instance, best, other)
+        if self.stack <= STACK {
+            let mut entries = [MaybeUninit::uninit(); STACK];
+            self.walk_with::<K, ANY, OTHER>(Stack::new(&mut entries), root, ray, instance, best, other)
         } else {
-            self.walk_with::<K, ANY, OTHER>(&mut vec![0; self.stack], root, ray, instance, best, other)
+            let mut entries = vec![MaybeUninit::uninit(); self.stack];
+            self.walk_with::<K, ANY, OTHER>(Stack::new(&mut entries), root, ray, instance, best, other)
         }
     }
 
     #[inline(always)]
     fn walk_with<K: Kernel, const ANY: bool, const OTHER: bool>(
         &self,
-        stack: &mut [u64],
+        mut stack: Stack,
         root: Child,
         ray: &Prepared,
         instance: u32,
         best: &mut Best,
         mut other: impl FnMut(Child, &mut Best) -> bool,
     ) -> bool {
-        let mut top = 0;
         let mut at = root;
         loop {
             if at.is_leaf() {
@@ -88,84 +87,85 @@ impl Bvh {
                 } else if self.leaf::<ANY>(at, ray, instance, best) {
                     return true;
                 }
-            } else {
-                let node = &self.nodes[at.index()];
-                let (enter, mut hits) = K::boxes(ray, node, best.cutoff);
-                if hits != 0 {
-                    let slot = hits.trailing_zeros() as usize % WIDTH;
-                    hits &= hits - 1;
-                    if hits == 0 {
-                        at = node.children[slot];
-                        continue;
-                    }
-                    let bottom = top;
-                    // One of them comes next; by the time the others do, they have arrived.
-                    self.prefetch::<OTHER>(node.children[slot]);
-                    let mut entry = pack(enter[slot], node.children[slot]);
-                    if hits & (hits - 1) == 0 {
-                        // Two, as most often: the nearer next, without a way over the stack.
-                        let slot = hits.trailing_zeros() as usize % WIDTH;
-                        self.prefetch::<OTHER>(node.children[slot]);
-                        let other = pack(enter[slot], node.children[slot]);
-                        stack[top] = entry.max(other);
-                        top += 1;
-                        at = Child(entry.min(other) as u32);
-                        continue;
-                    }
-                    loop {
-                        // Insertion, the nearest on top: few are hit at a time.
-                        let mut i = top;
-                        if !ANY {
-                            while i > bottom && stack[i - 1] < entry {
-                                stack[i] = stack[i - 1];
-                                i -= 1;
-                            }
-                        }
-                        stack[i] = entry;
-                        top += 1;
-                        if hits == 0 {
-                            break;
-                        }
-                        let slot = hits.trailing_zeros() as usize % WIDTH;
-                        hits &= hits - 1;
-                        self.prefetch::<OTHER>(node.children[slot]);
-                        entry = pack(enter[slot], node.children[slot]);
-                    }
-                }
+            } else if let Some(next) = self.node::<K, ANY>(at, ray, best.cutoff, &mut stack) {
+                at = next;
+                continue;
             }
             // The next that is not beyond the best hit.
-            loop {
-                if top == 0 {
-                    return false;
+            at = loop {
+                let Some(entry) = stack.pop() else { return false };
+                if ANY || entry.within(best.cutoff) {
+                    break entry.child();
                 }
-                top -= 1;
-                let entry = stack[top];
-                if ANY || f32::from_bits((entry >> 32) as u32) <= best.cutoff {
-                    at = Child(entry as u32);
-                    break;
-                }
-            }
+            };
         }
     }
 
-    /// Brings near what a slot refers to.
+    /// The child of a node that comes next, if the ray enters any; the others go onto the stack, the near above the far.
+    ///
+    /// Up to three, as mostly, are ordered without a branch that depends on the order.
     #[inline(always)]
-    fn prefetch<const OTHER: bool>(&self, child: Child) {
-        if !child.is_leaf() {
-            if let Some(node) = self.nodes.get(child.index()) {
-                prefetch(node);
-            }
-        } else if !(OTHER && child.is_other())
-            && let Some(triangles) = self.packs.get(child.index())
-        {
-            prefetch(triangles);
+    fn node<K: Kernel, const ANY: bool>(
+        &self,
+        at: Child,
+        ray: &Prepared,
+        cutoff: f32,
+        stack: &mut Stack,
+    ) -> Option<Child> {
+        let node = self.arena.node(at);
+        let (enter, mut hits) = K::boxes(ray, node, cutoff);
+        if hits == 0 {
+            return None;
         }
+        if hits & (hits - 1) == 0 {
+            return Some(node.children[hits.trailing_zeros() as usize % WIDTH]);
+        }
+        if ANY {
+            // Any order will do, and nothing is beyond what has not been hit.
+            let mut slot = hits.trailing_zeros() as usize % WIDTH;
+            while hits & (hits - 1) != 0 {
+                prefetch(&self.arena, node.children[slot]);
+                stack.push(Entry::new(0.0, node.children[slot]));
+                hits &= hits - 1;
+                slot = hits.trailing_zeros() as usize % WIDTH;
+            }
+            return Some(node.children[slot]);
+        }
+        let mut next = || {
+            let slot = hits.trailing_zeros() as usize % WIDTH;
+            hits &= hits - 1;
+            // One of them comes next; by the time the others do, they have arrived.
+            prefetch(&self.arena, node.children[slot]);
+            (Entry::new(enter[slot], node.children[slot]), hits != 0)
+        };
+        let ((first, _), (second, more)) = (next(), next());
+        let (near, far) = (first.min(second), first.max(second));
+        if !more {
+            stack.push(far);
+            return Some(near.child());
+        }
+        let (third, mut more) = next();
+        let (middle, far) = (far.min(third), far.max(third));
+        let (near, middle) = (near.min(middle), near.max(middle));
+        let bottom = stack.len();
+        stack.push(far);
+        stack.push(middle);
+        if !more {
+            return Some(near.child());
+        }
+        stack.push(near);
+        while more {
+            let entry;
+            (entry, more) = next();
+            stack.insert(entry, bottom);
+        }
+        stack.pop().map(Entry::child)
     }
 
     /// Tests the triangles of a leaf.
     #[inline(always)]
     fn leaf<const ANY: bool>(&self, at: Child, ray: &Prepared, instance: u32, best: &mut Best) -> bool {
-        let pack = &self.packs[at.index()];
+        let pack = self.arena.pack(at);
         let edges = ray.edges(pack);
         if edges.lanes == 0 {
             return false;
@@ -185,7 +185,7 @@ impl Bvh {
         while doubtful != 0 {
             let lane = doubtful.trailing_zeros() as usize % LANES;
             doubtful &= doubtful - 1;
-            if let Some((t, u, v)) = ray.decide(pack, &edges, lane) {
+            if let Some((t, u, v)) = ray.decide(pack, lane) {
                 if ANY {
                     return true;
                 }
@@ -194,10 +194,4 @@ impl Bvh {
         }
         false
     }
-}
-
-/// A stack entry; entries order as their distances, which are not negative, do.
-#[inline(always)]
-fn pack(enter: f32, child: Child) -> u64 {
-    u64::from(enter.to_bits()) << 32 | u64::from(child.0)
 }
