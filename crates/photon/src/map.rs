@@ -162,19 +162,20 @@ impl PhotonMap {
         disk(nearest.len(), farthest, gathering).0.sqrt()
     }
 
-    /// Irradiance at every `every`-th photon [Christensen 1999]. Photons count with paths of any length.
+    /// Irradiance at every `every`-th photon [Christensen 1999]. Photons count with paths of any length; a photon does not count
+    /// at its own place, where it is by choice and not by chance: estimates would be too high by its share.
     pub fn irradiance(&self, every: usize, gathering: &Gathering) -> IrradianceMap {
         let blank = Irradiance { value: Rgb::BLACK, normal: Octahedral::new(Vec3::Y), radius: 0.0 };
         let mut places: Vec<(Vec3, Irradiance)> = (0..self.tree.len())
             .step_by(every)
             .map(|i| (self.tree.position(i as u32), Irradiance { normal: self.tree.payloads()[i].normal, ..blank }))
             .collect();
-        parallel::for_runs_of(&mut places, 256, |_, places| {
+        parallel::for_runs_of(&mut places, 256, |first, places| {
             let mut found = Neighbours::default();
-            for (p, place) in places {
-                let facing = place.normal.vector();
+            for (number, (p, place)) in places.iter_mut().enumerate() {
+                let (facing, own) = (place.normal.vector(), ((first + number) * every) as u32);
                 let nearest = self.tree.k_nearest_where(*p, gathering.nearest, gathering.radius, &mut found, |i| {
-                    belongs(self.tree.payload(i).normal, facing, true)
+                    i != own && belongs(self.tree.payload(i).normal, facing, true)
                 });
                 let Some(farthest) = nearest.iter().max() else { continue };
                 let (radius2, on_border) = disk(nearest.len(), farthest.distance_squared(), gathering);
