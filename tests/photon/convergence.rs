@@ -12,7 +12,7 @@ use etendue_core::{
 };
 use etendue_photon::{IndirectLight, Options, PHOTON, PhotonMapper, SPPM};
 use etendue_tests::{Run, limit, small::*};
-use glam::{DVec2, DVec3, UVec2};
+use glam::{DAffine3, DVec2, DVec3, UVec2};
 use std::f64::consts::PI;
 
 /// A floor seen from above, and a point light 1 m over its middle: irradiance `h / d³`.
@@ -36,7 +36,7 @@ fn the_error_falls_as_the_two_thirds_power_of_the_number_of_photons() {
             // The mean over a pixel by 16 x 16 points.
             let pixel = UVec2::new(i % run.resolution.x, i / run.resolution.x).as_dvec2();
             let point = |k: u32| (pixel + (DVec2::new((k % 16) as f64, (k / 16) as f64) + 0.5) / 16.0) / size;
-            let value = |p: glam::DVec2| 0.5 / PI * (1.0 + ((p - 0.5) * 2.0).length_squared()).powf(-1.5);
+            let value = |p: DVec2| 0.5 / PI * (1.0 + ((p - 0.5) * 2.0).length_squared()).powf(-1.5);
             (0..256).map(|k| value(point(k))).sum::<f64>() / 256.0
         })
         .collect();
@@ -194,12 +194,27 @@ fn coated() -> SceneDescription {
     }
 }
 
+/// A bright room that is seen in a mirror alone, so that few edges are left for what is behind.
+fn mirrored() -> SceneDescription {
+    let mirror = Material::conductor(ConductorFresnel::Constant(Rgb::WHITE), None);
+    let lamp = emitting(rectangle("lamp", DVec3::new(0.2, 0.9, -0.5), DVec3::NEG_Y, (0.3, 0.3), 2), 3.0);
+    let wall = rectangle("mirror", DVec3::Z * 0.9, DVec3::NEG_Z, (0.9, 0.9), 1);
+    SceneDescription {
+        name: "mirrored room".into(),
+        camera: Some(pinhole(DVec3::new(0.0, 0.0, -0.6), DVec3::Z, 0.9, 20)),
+        materials: vec![grey(0.8), material("mirror", mirror), material("black", Material::lambert(Rgb::BLACK))],
+        objects: vec![object("walls", ObjectShape::Cube, DAffine3::IDENTITY, 0), wall, lamp],
+        ..SceneDescription::default()
+    }
+}
+
 /// The mean of the image is that of unbiased techniques, within noise and a stated bias.
 #[test]
 fn images_are_as_bright_as_they_must_be() {
     let builtins = ["cornell", "glass-ball", "ring", "sky", "studio", "ajar-door"];
     let mut runs: Vec<(&str, Run)> = builtins.into_iter().map(|name| (name, Run::builtin(name, 20))).collect();
     runs.push(("coated walls", Run::of(&coated(), Filter::Box, 8)));
+    runs.push(("room in a mirror", Run::of(&mirrored(), Filter::Box, 4)));
     for (scene, run) in &runs {
         let bias = 0.02;
         let truth = means(run, &etendue_bidir::BIDIR, &[], 50, 64);

@@ -178,8 +178,9 @@ impl Eye<'_> {
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }
             Indirect::Gather { global, irradiance } if wide > 0 => {
+                // Photons of all lengths are in irradiance: only the shortest way from the camera leaves room for them all.
                 let estimate = match (lambert(vertex), irradiance) {
-                    (Some(reflectance), Some(map)) => map.radiance(vertex, reflectance, found),
+                    (Some(reflectance), Some(map)) if vertex.depth == 2 => map.radiance(vertex, reflectance, found),
                     _ => ask::<HAS>(global, vertex, found),
                 };
                 // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
