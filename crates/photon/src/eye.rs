@@ -179,10 +179,11 @@ impl Eye<'_> {
             }
             Indirect::Gather { global, irradiance } if wide > 0 => {
                 // Photons of all lengths are in irradiance: only the shortest way from the camera leaves room for them all.
-                let estimate = match (lambert(vertex), irradiance) {
+                let ahead = match (lambert(vertex), irradiance) {
                     (Some(reflectance), Some(map)) if vertex.depth == 2 => map.radiance(vertex, reflectance, found),
-                    _ => ask::<HAS>(global, vertex, found),
+                    _ => None,
                 };
+                let estimate = ahead.or_else(|| ask::<HAS>(global, vertex, found));
                 // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
                 // [Jensen 1996, sec. 4.2].
                 let near = |e: &Estimate| vertex.from.distance_squared(vertex.surface.p) < e.radius * e.radius;

@@ -230,13 +230,17 @@ impl Gathering {
 }
 
 impl IrradianceMap {
-    /// What a Lambert surface reflects by the irradiance of the nearest place; `None` where there is no place near.
+    /// What a Lambert surface reflects by the irradiance of the nearest place; `None` where there is no place near: within the
+    /// radius that its photons were gathered in. (A place in bright light has a small one, and does not shine on what is dark.)
     #[inline]
     pub fn radiance(&self, vertex: &SurfaceVertex, reflectance: Rgb, found: &mut Neighbours) -> Option<Estimate> {
         let facing = facing(vertex);
         let keep = |i: u32| belongs(self.tree.payload(i).normal, facing, true);
         let near = self.tree.k_nearest_where(vertex.surface.p, 1, self.radius, found, keep).first()?;
         let place = self.tree.payload(near.index());
+        if near.distance_squared() > place.radius * place.radius {
+            return None;
+        }
         Some(Estimate { radiance: place.value * reflectance * (1.0 / PI), radius: place.radius })
     }
 }

@@ -50,7 +50,7 @@ pub static PHOTON: TechniqueInfo = TechniqueInfo {
             name: "global_radius",
             summary: "greatest radius of an estimate from the global map, over that of the scene",
             range: (1e-6, 10.0),
-            default: 0.05,
+            default: 0.1,
         },
         Knob {
             name: "indirect",
