@@ -178,11 +178,9 @@ impl Eye<'_> {
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }
             Indirect::Gather { global, irradiance } if wide > 0 => {
-                // Photons of all lengths are in irradiance: only the shortest way from the camera leaves room for them all.
-                let ahead = match (lambert(vertex), irradiance) {
-                    (Some(reflectance), Some(map)) if vertex.depth == 2 => map.radiance(vertex, reflectance, found),
-                    _ => None,
-                };
+                let ahead = irradiance
+                    .zip(lambert(vertex))
+                    .and_then(|(map, reflectance)| map.radiance(vertex, reflectance, self.settings.max_depth, found));
                 let estimate = ahead.or_else(|| ask::<HAS>(global, vertex, found));
                 // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
                 // [Jensen 1996, sec. 4.2].

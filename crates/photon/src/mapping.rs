@@ -74,7 +74,7 @@ pub static PHOTON: TechniqueInfo = TechniqueInfo {
             name: "renew",
             summary: "maps are made anew after so many samples for each photon in them; 0: one serves all",
             range: (0.0, 1e6),
-            default: 2.0,
+            default: 4.0,
         },
     ],
     build: |scene, settings, knobs| Box::new(PhotonMapper::new(scene, settings, Options::from_knobs(knobs))),
