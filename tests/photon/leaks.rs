@@ -50,7 +50,7 @@ fn lit(objects: Vec<Object>, light: DeltaLight, camera: CameraDescription) -> Sc
 fn brightest(scene: &SceneDescription, depth: u32) -> [f32; 2] {
     let run = Run::of(scene, Filter::Box, depth);
     let shown = Options { indirect: IndirectLight::Show, global_radius: 0.5, ..Options::default() };
-    let progressive = ProgressiveOptions { photons: 100.0, nearest: 50, radius: 0.5, alpha: 1.0 };
+    let progressive = ProgressiveOptions { photons: 100.0, nearest: 50, radius: 0.5, pixels: 1e6, alpha: 1.0 };
     let mut techniques: [Box<dyn Technique>; 2] = [
         Box::new(PhotonMapper::new(run.scene.clone(), run.settings, shown)),
         Box::new(ProgressiveMapper::new(run.scene.clone(), run.settings, progressive)),

@@ -13,6 +13,8 @@ use etendue_core::{
 };
 use etendue_photon::{
     aim::Aim,
+    kernel::Kernel,
+    map::{Gathering, PhotonMap},
     trace::{Job, Store},
 };
 use etendue_tests::{limit, small::*};
@@ -118,6 +120,26 @@ fn light_from_infinity_carries_what_a_ball_intercepts() {
     hold("sky", powers.iter().map(|p| p[1]), 0.7 * PI * 4.0 * area);
 }
 
+/// Irradiance that is computed ahead is that of the other photons: under a sun, on average the sun's.
+#[test]
+fn irradiance_ahead_is_not_too_high_by_its_own_photon() {
+    let sun = DeltaLight::Directional { direction: DVec3::NEG_Y, irradiance: Rgb::splat(3.0) };
+    let scene =
+        Scene::new(&SceneDescription { lights: light(sun), ..lit_floor(1.0, Vec::new()) }).expect("it is valid");
+    let settings = Settings::new(4, independent);
+    let gathering = Gathering { nearest: 12, radius: 100.0, kernel: Kernel::Cone, parts: settings.parts, max_depth: 4 };
+    let ahead = (0..REPLICATES).map(|seed| {
+        let aim = &Aim::default();
+        let job = Job { scene: &scene, settings: &settings, store: Store::All, aim, seed, set: 0, emitted: 20_000 };
+        let places = PhotonMap::new(job.trace::<{ has::ALL }>().photons).irradiance(4, &gathering).tree;
+        // Far from the border, past which there are no photons.
+        let inside = (0..places.len() as u32).filter(|i| places.position(*i).abs().max_element() < 8.0);
+        let values: Moments = inside.map(|i| f64::from(places.payload(i).value.g)).collect();
+        values.mean()
+    });
+    hold("irradiance", ahead, 3.0);
+}
+
 /// Aimed emission stores the same power with many more photons.
 #[test]
 fn aiming_keeps_the_power_of_caustics() {
@@ -135,8 +157,8 @@ fn aiming_keeps_the_power_of_caustics() {
         set: 7,
         emitted: 1 << 13,
     };
-    let (fruitful, _) = job.pilot::<{ has::ALL }>();
-    let aim = Aim::at(&fruitful);
+    let found = job.pilot::<{ has::ALL }>();
+    let aim = Aim::at(&found.emissions.iter().map(|e| (e.0, e.1, f64::from(e.2))).collect::<Vec<_>>());
     let total = |p: &Vec<f64>| p.iter().sum::<f64>();
     let plain = stored(&loaded.description, Store::Caustic, &none, 1 << 15);
     let aimed = stored(&loaded.description, Store::Caustic, &aim, 1 << 12);

@@ -216,7 +216,7 @@ fn exact(job: &Job, radiance: f64) -> (Reference, ReferenceEntry) {
 /// The technique that a scene's reference is made with where none is asked for: one that converges there.
 pub fn technique(scene: &str) -> &'static str {
     match scene.split(':').next().unwrap_or(scene) {
-        "ring" | "glass-caustic" | "hidden-lights" | "glass-ball" | "glossy-caustic" => "bidir",
+        "ring" | "glass-caustic" | "hidden-lights" | "glass-ball" | "glossy-caustic" | "studio" => "bidir",
         // Light under water that is seen through its surface; blurred, and less with time.
         "pool" => "sppm",
         _ => "path",

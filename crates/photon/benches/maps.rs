@@ -58,7 +58,7 @@ fn main() {
             let options = Options { global_photons: photons, irradiance_every: every, ..Options::default() };
             let mut mapper = PhotonMapper::new(scene.clone(), settings, options);
             let start = Instant::now();
-            mapper.prepare(1);
+            mapper.prepare(1, 0);
             let prepare = start.elapsed().as_secs_f64();
             let mut film = Film::new(UVec2::splat(64), Filter::Box);
             let start = Instant::now();

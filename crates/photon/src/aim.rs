@@ -10,12 +10,18 @@ use glam::Vec2;
 
 /// Cells in a row and a column of each table.
 const CELLS: usize = 32;
+/// What is put into every cell before, over the mean worth: a pilot that has hardly found anything says little of where there
+/// is nothing.
+const DOUBT: f64 = 0.1;
 
 /// How emission is aimed; without tables it is not.
 #[derive(Clone, Debug, Default)]
 pub struct Aim {
     tables: Option<(Piecewise2d, Piecewise2d)>,
 }
+
+/// Numbers of an emission's point and direction, and what it is worth: how many photons it led to, or how much they matter.
+pub type Worth = (Vec2, Vec2, f64);
 
 /// Random numbers of an emission.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,21 +35,29 @@ pub struct Aimed {
 }
 
 impl Aim {
-    /// Aims at the numbers that a pilot has found fruitful, each with how many photons it led to. None: at nothing.
-    pub fn at(fruitful: &[(Vec2, Vec2, u32)]) -> Aim {
-        let table = |of: &dyn Fn(&(Vec2, Vec2, u32)) -> Vec2| {
-            let mut cells = vec![0.0; CELLS * CELLS];
+    /// Aims at the numbers that a pilot has found fruitful, each with what it is worth. None: at nothing.
+    pub fn at(fruitful: &[Worth]) -> Aim {
+        let total: f64 = fruitful.iter().map(|f| f.2).sum();
+        let doubt = DOUBT * total / fruitful.len() as f64;
+        let table = |of: &dyn Fn(&Worth) -> Vec2| {
+            let mut cells = vec![doubt; CELLS * CELLS];
             for entry in fruitful {
                 let at = (of(entry) * CELLS as f32).as_uvec2().min(glam::UVec2::splat(CELLS as u32 - 1));
                 // The cells around as well: a pilot has few samples in each.
                 for y in at.y.saturating_sub(1)..(at.y + 2).min(CELLS as u32) {
                     for x in at.x.saturating_sub(1)..(at.x + 2).min(CELLS as u32) {
-                        cells[y as usize * CELLS + x as usize] += f64::from(entry.2);
+                        cells[y as usize * CELLS + x as usize] += entry.2;
                     }
                 }
             }
+            // A cell that is sampled with density q adds p / q to the variance if a share p of its numbers is fruitful: the
+            // least sum has q go as the root of p.
+            cells.iter_mut().for_each(|cell| *cell = cell.sqrt());
             Piecewise2d::new(&cells, CELLS)
         };
+        if !(total > 0.0 && doubt.is_finite()) {
+            return Aim::default();
+        }
         Aim { tables: table(&|e| e.0).zip(table(&|e| e.1)) }
     }
 
@@ -88,7 +102,7 @@ mod tests {
         // What is looked for: a spot in either square.
         let hit = |p: Vec2, d: Vec2| (p - 0.3).length() < 0.1 && (d - 0.8).length() < 0.15;
         let exact = std::f64::consts::PI.powi(2) * 0.01 * 0.0225;
-        let pilot: Vec<_> = (0..20_000).map(|_| (pair(), pair(), 1)).filter(|(p, d, _)| hit(*p, *d)).collect();
+        let pilot: Vec<_> = (0..20_000).map(|_| (pair(), pair(), 1.0)).filter(|(p, d, _)| hit(*p, *d)).collect();
         let aim = Aim::at(&pilot);
         assert!(aim.is_aimed() && !Aim::at(&[]).is_aimed());
         let n = 200_000;

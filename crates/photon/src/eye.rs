@@ -48,8 +48,8 @@ pub(crate) enum Indirect<'a> {
     /// The first one is, for direct light as well.
     Show { global: Option<Source<'a>> },
     /// The first one is asked for what it reflects of photons that are scattered before, within the `shrink`-fold radius that
-    /// the pilot's photons suggest.
-    Progressive { photons: Source<'a>, pilot: Source<'a>, shrink: f32 },
+    /// the pilot's photons suggest, which is at most so many pixels.
+    Progressive { photons: Source<'a>, pilot: Source<'a>, shrink: f32, pixels: f32 },
 }
 
 /// How pixels are estimated.
@@ -60,6 +60,35 @@ pub(crate) struct Eye<'a> {
     /// The caustic map, where there is one.
     pub caustics: Option<Source<'a>>,
     pub indirect: Indirect<'a>,
+    /// How large pixels are.
+    pub footprint: Footprint,
+}
+
+/// How large a pixel is, by how far what it shows is away.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Footprint {
+    /// Its width at the camera, metres.
+    origin: f32,
+    /// What it grows by a metre.
+    spread: f32,
+}
+
+impl Footprint {
+    /// A pixel's in the middle of the film.
+    pub fn of(scene: &Scene, resolution: UVec2) -> Footprint {
+        let ray = |x: f32| {
+            let film = resolution.as_vec2() * 0.5 + Vec2::X * x;
+            scene.camera().sample_ray(film, Vec2::ZERO)
+        };
+        let (a, b) = (ray(-0.5), ray(0.5));
+        Footprint { origin: a.origin.distance(b.origin), spread: a.direction.distance(b.direction) }
+    }
+
+    /// Its width in metres at the end of a path of so many metres.
+    #[inline]
+    fn at(self, length: f32) -> f32 {
+        self.origin + self.spread * length
+    }
 }
 
 /// What maps say of a vertex, and what is left to do there.
@@ -94,6 +123,7 @@ impl Eye<'_> {
         let mut sum = Rgb::BLACK;
         // Wide scatterings so far, and whether a narrow one has followed the last of them.
         let (mut wide, mut narrow_since) = (0, false);
+        let mut length = 0.0;
         loop {
             let counts = !(wide > 0 && narrow_since && self.has_caustics());
             match walk.trace(rays) {
@@ -101,6 +131,7 @@ impl Eye<'_> {
                     return if counts { sum + escaped::<HAS>(scene, settings.parts, 1.0, &end) } else { sum };
                 }
                 Vertex::Surface(vertex) => {
+                    length += vertex.from.distance(vertex.surface.p);
                     if counts && let Some(element) = scene.element(&vertex.surface) {
                         sum += emitted::<HAS>(scene, settings.parts, 1.0, &vertex, element);
                     }
@@ -111,7 +142,7 @@ impl Eye<'_> {
                     let look = if narrow {
                         Look { reflected: Rgb::BLACK, direct: wide == 0 || !self.has_caustics(), ends: false }
                     } else {
-                        self.look::<HAS>(&vertex, wide, found)
+                        self.look::<HAS>(&vertex, wide, self.footprint.at(length), found)
                     };
                     sum += vertex.beta * look.reflected;
                     if look.direct && !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
@@ -133,22 +164,24 @@ impl Eye<'_> {
 
     /// What the maps say of a surface that takes photons.
     #[inline]
-    fn look<const HAS: u32>(&self, vertex: &SurfaceVertex, wide: u32, found: &mut Neighbours) -> Look {
+    fn look<const HAS: u32>(&self, vertex: &SurfaceVertex, wide: u32, footprint: f32, found: &mut Neighbours) -> Look {
         let reflected = |e: Option<Estimate>| e.map_or(Rgb::BLACK, |e| e.radiance);
         match &self.indirect {
             Indirect::Show { global } => {
                 Look { reflected: reflected(ask::<HAS>(global, vertex, found)), direct: false, ends: true }
             }
-            Indirect::Progressive { photons, pilot, shrink } => {
-                let radius = pilot.map.reach::<HAS>(vertex, &pilot.gathering, found) * shrink;
+            Indirect::Progressive { photons, pilot, shrink, pixels } => {
+                let radius = pilot.gathering.radius.min(pixels * footprint);
+                let gathering = Gathering { radius, ..pilot.gathering };
+                let radius = pilot.map.reach::<HAS>(vertex, &gathering, found) * shrink;
                 let estimate = photons.map.radiance_within::<HAS>(vertex, &photons.gathering, radius);
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }
             Indirect::Gather { global, irradiance } if wide > 0 => {
-                let estimate = match (lambert(vertex), irradiance) {
-                    (Some(reflectance), Some(map)) => map.radiance(vertex, reflectance, found),
-                    _ => ask::<HAS>(global, vertex, found),
-                };
+                let ahead = irradiance
+                    .zip(lambert(vertex))
+                    .and_then(|(map, reflectance)| map.radiance(vertex, reflectance, self.settings.max_depth, found));
+                let estimate = ahead.or_else(|| ask::<HAS>(global, vertex, found));
                 // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
                 // [Jensen 1996, sec. 4.2].
                 let near = |e: &Estimate| vertex.from.distance_squared(vertex.surface.p) < e.radius * e.radius;

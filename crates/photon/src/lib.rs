@@ -82,6 +82,7 @@ pub mod photon;
 mod progressive;
 pub mod surfaces;
 pub mod trace;
+mod view;
 
 pub use mapping::{IndirectLight, Options, PHOTON, PhotonMapper};
 pub use progressive::{ProgressiveMapper, ProgressiveOptions, SPPM, shrinkage};

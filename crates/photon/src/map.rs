@@ -54,6 +54,8 @@ pub struct Irradiance {
     pub normal: Octahedral,
     /// The radius that photons were gathered in.
     pub radius: f32,
+    /// Edges of the longest of their paths from a light.
+    pub longest: u32,
 }
 
 /// Irradiance at a share of a map's photons.
@@ -162,19 +164,20 @@ impl PhotonMap {
         disk(nearest.len(), farthest, gathering).0.sqrt()
     }
 
-    /// Irradiance at every `every`-th photon [Christensen 1999]. Photons count with paths of any length.
+    /// Irradiance at every `every`-th photon [Christensen 1999]. Photons count with paths of any length; a photon does not count
+    /// at its own place, where it is by choice and not by chance: estimates would be too high by its share.
     pub fn irradiance(&self, every: usize, gathering: &Gathering) -> IrradianceMap {
-        let blank = Irradiance { value: Rgb::BLACK, normal: Octahedral::new(Vec3::Y), radius: 0.0 };
+        let blank = Irradiance { value: Rgb::BLACK, normal: Octahedral::new(Vec3::Y), radius: 0.0, longest: 0 };
         let mut places: Vec<(Vec3, Irradiance)> = (0..self.tree.len())
             .step_by(every)
             .map(|i| (self.tree.position(i as u32), Irradiance { normal: self.tree.payloads()[i].normal, ..blank }))
             .collect();
-        parallel::for_runs_of(&mut places, 256, |_, places| {
+        parallel::for_runs_of(&mut places, 256, |first, places| {
             let mut found = Neighbours::default();
-            for (p, place) in places {
-                let facing = place.normal.vector();
+            for (number, (p, place)) in places.iter_mut().enumerate() {
+                let (facing, own) = (place.normal.vector(), ((first + number) * every) as u32);
                 let nearest = self.tree.k_nearest_where(*p, gathering.nearest, gathering.radius, &mut found, |i| {
-                    belongs(self.tree.payload(i).normal, facing, true)
+                    i != own && belongs(self.tree.payload(i).normal, facing, true)
                 });
                 let Some(farthest) = nearest.iter().max() else { continue };
                 let (radius2, on_border) = disk(nearest.len(), farthest.distance_squared(), gathering);
@@ -184,6 +187,7 @@ impl PhotonMap {
                     // Behind the final gathering's first surface, which is rough.
                     if gathering.parts.contains(photon.history().part(1)) {
                         sum += photon.power * gathering.kernel.weight(near.distance_squared() / radius2);
+                        place.longest = place.longest.max(photon.history().depth);
                     }
                 }
                 if let Some(e) = estimate(sum, radius2) {
@@ -229,13 +233,24 @@ impl Gathering {
 }
 
 impl IrradianceMap {
-    /// What a Lambert surface reflects by the irradiance of the nearest place; `None` where there is no place near.
+    /// What a Lambert surface reflects by the irradiance of the nearest place; `None` where there is no place near: within the
+    /// radius that its photons were gathered in (a place in bright light has a small one, and does not shine on what is dark); nor
+    /// where some of those photons make paths of more than `max_depth` edges.
     #[inline]
-    pub fn radiance(&self, vertex: &SurfaceVertex, reflectance: Rgb, found: &mut Neighbours) -> Option<Estimate> {
+    pub fn radiance(
+        &self,
+        vertex: &SurfaceVertex,
+        reflectance: Rgb,
+        max_depth: u32,
+        found: &mut Neighbours,
+    ) -> Option<Estimate> {
         let facing = facing(vertex);
         let keep = |i: u32| belongs(self.tree.payload(i).normal, facing, true);
         let near = self.tree.k_nearest_where(vertex.surface.p, 1, self.radius, found, keep).first()?;
         let place = self.tree.payload(near.index());
+        if near.distance_squared() > place.radius * place.radius || vertex.depth + place.longest > max_depth {
+            return None;
+        }
         Some(Estimate { radiance: place.value * reflectance * (1.0 / PI), radius: place.radius })
     }
 }

@@ -1,8 +1,8 @@
 //! Photon mapping.
 
 use crate::{
-    aim::Aim,
-    eye::{Eye, Indirect, Source},
+    aim::{Aim, Worth},
+    eye::{Eye, Footprint, Indirect, Source},
     kd_tree::Neighbours,
     kernel::Kernel,
     map::{Gathering, IrradianceMap, PhotonMap},
@@ -70,6 +70,12 @@ pub static PHOTON: TechniqueInfo = TechniqueInfo {
             range: (0.0, 2.0),
             default: 1.0,
         },
+        Knob {
+            name: "renew",
+            summary: "maps are made anew after so many samples for each photon in them; 0: one serves all",
+            range: (0.0, 1e6),
+            default: 4.0,
+        },
     ],
     build: |scene, settings, knobs| Box::new(PhotonMapper::new(scene, settings, Options::from_knobs(knobs))),
 };
@@ -104,6 +110,8 @@ pub struct Options {
     pub irradiance_every: usize,
     /// How photons count by distance.
     pub kernel: Kernel,
+    /// Maps are made anew after so many samples for each of their photons; 0: one serves all.
+    pub renew: f64,
 }
 
 impl Default for Options {
@@ -129,14 +137,15 @@ impl Options {
             },
             irradiance_every: knobs[6].round() as usize,
             kernel: Kernel::ALL[knobs[7].round() as usize],
+            renew: knobs[8],
         }
     }
 }
 
-/// Sets of photons of a seed ([`Job::set`]): numbers that no pixel has.
+/// Sets of photons of a seed ([`Job::set`]): numbers that no pixel has. Maps that are made anew have the sets below.
 const CAUSTIC_PILOT: u32 = u32::MAX;
-const CAUSTIC: u32 = u32::MAX - 1;
-const GLOBAL_PILOT: u32 = u32::MAX - 2;
+const GLOBAL_PILOT: u32 = u32::MAX - 1;
+const CAUSTIC: u32 = u32::MAX - 2;
 const GLOBAL: u32 = u32::MAX - 3;
 
 /// Emissions of a pilot.
@@ -149,9 +158,23 @@ pub(crate) fn scene_radius(scene: &Scene) -> f32 {
     scene.geometry().bounds().map_or(0.0, |(low, high)| 0.5 * low.distance(high))
 }
 
-/// The maps of a seed.
+/// How the photons of a map are emitted.
+struct Emission {
+    aim: Aim,
+    emitted: u32,
+}
+
+/// How the photons of a seed are emitted, map by map; none where there is no map.
+struct Emissions {
+    seed: u64,
+    caustics: Option<Emission>,
+    global: Option<Emission>,
+}
+
+/// Maps of a seed, of which the first have the number 0.
 struct Maps {
     seed: u64,
+    number: u32,
     caustics: Option<PhotonMap>,
     global: Option<PhotonMap>,
     irradiance: Option<IrradianceMap>,
@@ -166,11 +189,12 @@ impl Maps {
 
 /// The photon mapper.
 ///
-/// Maps are made by the first pass of a seed, and serve all its passes.
+/// Maps are made by the first pass that asks for them: they depend on the seed and on the number of the pass alone.
 pub struct PhotonMapper {
     scene: Arc<Scene>,
     settings: Settings,
     options: Options,
+    emissions: Option<Emissions>,
     maps: Option<Maps>,
     statistics: RenderStatistics,
 }
@@ -179,7 +203,7 @@ impl PhotonMapper {
     /// A photon mapper for a scene; maps are made when they are needed.
     pub fn new(scene: Arc<Scene>, settings: Settings, options: Options) -> PhotonMapper {
         let statistics = RenderStatistics { memory_bytes: scene.memory_bytes(), ..RenderStatistics::default() };
-        PhotonMapper { scene, settings, options, maps: None, statistics }
+        PhotonMapper { scene, settings, options, emissions: None, maps: None, statistics }
     }
 
     /// The photons of the caustic map of the last seed, if there is a map.
@@ -192,12 +216,44 @@ impl PhotonMapper {
         self.maps.as_ref()?.global.as_ref()
     }
 
-    /// Makes the maps of a seed, if they are not there yet.
-    pub fn prepare(&mut self, seed: u64) {
-        if self.maps.as_ref().is_some_and(|maps| maps.seed == seed) {
+    /// The number of the maps that a pass takes, of so many samples.
+    fn number(&self, pass: u32, samples: f64) -> u32 {
+        let photons = f64::from(self.options.caustic_photons) + f64::from(self.options.global_photons);
+        let passes = (self.options.renew * photons / samples).ceil();
+        if passes >= 1.0 { (f64::from(pass) / passes) as u32 } else { 0 }
+    }
+
+    /// Makes the maps of a number of a seed, if they are not there yet.
+    pub fn prepare(&mut self, seed: u64, number: u32) {
+        if self.maps.as_ref().is_some_and(|maps| (maps.seed, maps.number) == (seed, number)) {
             return;
         }
         let start = Instant::now();
+        let emissions = match self.emissions.take() {
+            Some(emissions) if emissions.seed == seed => emissions,
+            _ => self.plan(seed),
+        };
+        let caustics =
+            emissions.caustics.as_ref().map(|e| self.map(seed, Store::Caustic, e, CAUSTIC.wrapping_sub(2 * number)));
+        let global = emissions.global.as_ref().map(|e| self.map(seed, Store::All, e, GLOBAL.wrapping_sub(2 * number)));
+        self.emissions = Some(emissions);
+        self.statistics.add_time("photons", start.elapsed());
+        let start = Instant::now();
+        let ahead = self.options.irradiance_every > 0 && self.options.indirect == IndirectLight::Gather;
+        let irradiance = global
+            .as_ref()
+            .filter(|_| ahead)
+            .map(|map| map.irradiance(self.options.irradiance_every, &self.gathering(self.options.global_radius)));
+        if irradiance.is_some() {
+            self.statistics.add_time("irradiance", start.elapsed());
+        }
+        let maps = Maps { seed, number, caustics, global, irradiance };
+        self.statistics.memory_bytes = self.scene.memory_bytes() + maps.memory_bytes();
+        self.maps = Some(maps);
+    }
+
+    /// Which maps are called for, and how many photons have to be emitted for each.
+    fn plan(&mut self, seed: u64) -> Emissions {
         let wanted = |part| self.settings.parts.contains(part);
         let indirect = wanted(Part::Indirect) || wanted(Part::Caustic);
         // A light, a surface in between, one that takes photons, and the camera.
@@ -215,44 +271,42 @@ impl PhotonMapper {
                 IndirectLight::Gather => indirect && far_enough,
                 IndirectLight::Show => indirect || wanted(Part::Direct) || wanted(Part::Environment),
             };
-        let caustics =
-            caustics.then(|| self.map(seed, Store::Caustic, options.caustic_photons, [CAUSTIC_PILOT, CAUSTIC]));
-        let global = global.then(|| self.map(seed, Store::All, options.global_photons, [GLOBAL_PILOT, GLOBAL]));
-        self.statistics.add_time("photons", start.elapsed());
-        let start = Instant::now();
-        let ahead = options.irradiance_every > 0 && options.indirect == IndirectLight::Gather;
-        let irradiance = global
-            .as_ref()
-            .filter(|_| ahead)
-            .map(|map| map.irradiance(options.irradiance_every, &self.gathering(options.global_radius)));
-        if irradiance.is_some() {
-            self.statistics.add_time("irradiance", start.elapsed());
-        }
-        let maps = Maps { seed, caustics, global, irradiance };
-        self.statistics.memory_bytes = self.scene.memory_bytes() + maps.memory_bytes();
-        self.maps = Some(maps);
+        let caustics = caustics.then(|| self.pilot(seed, Store::Caustic, options.caustic_photons, CAUSTIC_PILOT));
+        let global = global.then(|| self.pilot(seed, Store::All, options.global_photons, GLOBAL_PILOT));
+        Emissions { seed, caustics, global }
     }
 
-    /// A map of about so many photons: a pilot tells how many have to be emitted, and for caustics where to.
-    fn map(&mut self, seed: u64, store: Store, photons: u32, sets: [u32; 2]) -> PhotonMap {
-        let (scene, unaimed) = (&*self.scene, Aim::default());
+    /// The settings that photons of a map are traced with.
+    fn photon_settings(&self, store: Store) -> Settings {
         // Photons for final gathering are a path's further edge away from the camera.
         let max_depth = match (store, self.options.indirect) {
             (Store::All, IndirectLight::Gather) => self.settings.max_depth - 1,
             _ => self.settings.max_depth,
         };
-        let settings = &Settings { max_depth, ..self.settings };
-        let pilot = Job { scene, settings, store, aim: &unaimed, seed, set: sets[0], emitted: PILOT.min(photons) };
-        let (fruitful, counted) = specialise_coarsely!(scene.has(), HAS => pilot.pilot::<HAS>());
-        self.statistics.merge(&counted);
+        Settings { max_depth, ..self.settings }
+    }
+
+    /// A pilot for a map of about so many photons: it tells how many have to be emitted, and for caustics where to.
+    fn pilot(&mut self, seed: u64, store: Store, photons: u32, set: u32) -> Emission {
+        let (scene, settings) = (&*self.scene, &self.photon_settings(store));
+        let pilot = Job { scene, settings, store, aim: &Aim::default(), seed, set, emitted: PILOT.min(photons) };
+        let found = specialise_coarsely!(scene.has(), HAS => pilot.pilot::<HAS>());
+        self.statistics.merge(&found.statistics);
+        let fruitful: Vec<Worth> = found.emissions.iter().map(|e| (e.0, e.1, f64::from(e.2))).collect();
         let aim = if store == Store::Caustic { Aim::at(&fruitful) } else { Aim::default() };
         // What an aimed emission yields, seen from the pilot's.
-        let stored: f64 = fruitful.iter().map(|f| f64::from(f.2) * f64::from(aim.density(f.0, f.1))).sum();
+        let stored: f64 = fruitful.iter().map(|f| f.2 * f64::from(aim.density(f.0, f.1))).sum();
         let emitted = match f64::from(photons) * f64::from(pilot.emitted) / stored {
             n if stored > 0.0 => n.min(MOST_EMISSIONS * f64::from(photons)),
             _ => f64::from(pilot.emitted),
         };
-        let job = Job { aim: &aim, set: sets[1], emitted: emitted.clamp(1.0, f64::from(u32::MAX)) as u32, ..pilot };
+        Emission { aim, emitted: emitted.clamp(1.0, f64::from(u32::MAX)) as u32 }
+    }
+
+    fn map(&mut self, seed: u64, store: Store, emission: &Emission, set: u32) -> PhotonMap {
+        let (scene, settings) = (&*self.scene, &self.photon_settings(store));
+        let Emission { aim, emitted } = emission;
+        let job = Job { scene, settings, store, aim, seed, set, emitted: *emitted };
         let traced = specialise_coarsely!(scene.has(), HAS => job.trace::<HAS>());
         self.statistics.merge(&traced.statistics);
         PhotonMap::new(traced.photons)
@@ -271,9 +325,9 @@ impl PhotonMapper {
 
 impl Technique for PhotonMapper {
     fn pass(&mut self, seed: u64, pass: u32, film: &mut Film) {
-        self.prepare(seed);
+        let (width, height) = (film.resolution().x, film.resolution().y);
+        self.prepare(seed, self.number(pass, f64::from(width) * f64::from(height)));
         let start = Instant::now();
-        let width = film.resolution().x;
         let source = |map, radius| Some(Source { map, gathering: self.gathering(radius) });
         let caustics = self.caustic_map().and_then(|map| source(map, self.options.caustic_radius));
         let global = self.global_map().and_then(|map| source(map, self.options.global_radius));
@@ -283,6 +337,7 @@ impl Technique for PhotonMapper {
             settings: &self.settings,
             filter: film.filter(),
             caustics,
+            footprint: Footprint::of(&self.scene, film.resolution()),
             indirect: match self.options.indirect {
                 IndirectLight::Paths => Indirect::Paths,
                 IndirectLight::Gather => Indirect::Gather { global, irradiance },
@@ -310,6 +365,6 @@ impl Technique for PhotonMapper {
     fn next_frame(&mut self, scene: Arc<Scene>) {
         self.statistics.memory_bytes = scene.memory_bytes();
         self.scene = scene;
-        self.maps = None;
+        (self.emissions, self.maps) = (None, None);
     }
 }

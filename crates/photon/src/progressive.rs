@@ -2,13 +2,14 @@
 
 use crate::{
     aim::Aim,
-    eye::{Eye, Indirect, Source},
+    eye::{Eye, Footprint, Indirect, Source},
     kd_tree::Neighbours,
     kernel::Kernel,
     map::{Gathering, PhotonMap},
     mapping::scene_radius,
     surfaces::takes_photons,
     trace::{Job, Store},
+    view::View,
 };
 use etendue_core::{
     film::Film,
@@ -17,6 +18,7 @@ use etendue_core::{
     statistics::render::RenderStatistics,
     technique::{Bias, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
 };
+use glam::UVec2;
 use std::{sync::Arc, time::Instant};
 
 /// Stochastic progressive photon mapping as it is registered.
@@ -38,7 +40,7 @@ pub static SPPM: TechniqueInfo = TechniqueInfo {
             name: "nearest",
             summary: "photons of the pilot, which has four times those of a pass, in the first radius",
             range: (2.0, 1e5),
-            default: 10.0,
+            default: 20.0,
         },
         Knob {
             name: "radius",
@@ -47,10 +49,16 @@ pub static SPPM: TechniqueInfo = TechniqueInfo {
             default: 0.1,
         },
         Knob {
+            name: "pixels",
+            summary: "greatest first radius in pixels, as large as they are where it is",
+            range: (0.1, 1e6),
+            default: 16.0,
+        },
+        Knob {
             name: "alpha",
             summary: "how slowly radii shrink: 0 as fast as the error allows, 1 not at all",
             range: (0.0, 1.0),
-            default: 2.0 / 3.0,
+            default: 0.5,
         },
     ],
     build: |scene, settings, knobs| {
@@ -58,7 +66,8 @@ pub static SPPM: TechniqueInfo = TechniqueInfo {
             photons: knobs[0],
             nearest: knobs[1].round() as usize,
             radius: knobs[2] as f32,
-            alpha: knobs[3],
+            pixels: knobs[3] as f32,
+            alpha: knobs[4],
         };
         Box::new(ProgressiveMapper::new(scene, settings, options))
     },
@@ -73,12 +82,17 @@ pub struct ProgressiveOptions {
     pub nearest: usize,
     /// Greatest first radius, over that of the scene.
     pub radius: f32,
+    /// Greatest first radius in pixels, as large as they are where it is.
+    pub pixels: f32,
     /// How slowly radii shrink, in `[0, 1]`.
     pub alpha: f64,
 }
 
 /// The set of photons of a seed ([`Job::set`]) that first radii are taken from; others are numbered by passes.
 const PILOT: u32 = u32::MAX;
+/// The set that emission is aimed by, and that of paths from the camera that say where to.
+const AIMING: u32 = u32::MAX - 1;
+const VIEW: u32 = u32::MAX - 2;
 /// Photons of the pilot over those of a pass.
 const PILOT_SHARE: u32 = 4;
 /// Fewest photons a pass, for the smallest images.
@@ -89,7 +103,8 @@ const FEWEST: f64 = 256.0;
 /// A pass sends photons of its own and gathers them within radii that depend on its number alone: the squared radius of pass
 /// `i + 1` is that of pass `i` times `(i + alpha) / (i + 1)` [Knaus and Zwicker 2011, eq. 15]. The variance of a pass grows as its
 /// bias falls, so that the mean of all passes loses both. First radii are those in which a pilot of the seed finds its `nearest`
-/// photons: they are small where light is, as in the original, and need no memory for pixels.
+/// photons: they are small where light is, as in the original, and need no memory for pixels. No radius is larger than some pixels:
+/// where hardly any photon comes, disks would reach past what they lie on, and lose light by that.
 pub struct ProgressiveMapper {
     scene: Arc<Scene>,
     settings: Settings,
@@ -102,6 +117,7 @@ pub struct ProgressiveMapper {
 struct Pilot {
     seed: u64,
     photons: u32,
+    aim: Aim,
     map: PhotonMap,
 }
 
@@ -118,9 +134,24 @@ impl ProgressiveMapper {
         ProgressiveMapper { scene, settings, options, pilot: None, statistics }
     }
 
-    fn trace(&mut self, seed: u64, set: u32, emitted: u32) -> PhotonMap {
+    /// The pilot of a seed: where the camera looks, then where photons have to start that come there, then first radii.
+    fn pilot(&mut self, seed: u64, photons: u32, resolution: UVec2) -> Pilot {
         let (scene, settings) = (&*self.scene, &self.settings);
-        let job = Job { scene, settings, store: Store::Scattered, aim: &Aim::default(), seed, set, emitted };
+        let job =
+            Job { scene, settings, store: Store::Scattered, aim: &Aim::default(), seed, set: AIMING, emitted: photons };
+        let (view, found) = specialise_coarsely!(scene.has(), HAS => {
+            (View::new::<HAS>(scene, settings, resolution, seed, VIEW), job.pilot::<HAS>())
+        });
+        self.statistics.merge(&view.1);
+        self.statistics.merge(&found.statistics);
+        let aim = Aim::at(&view.0.worth(&found));
+        let map = self.trace(seed, PILOT, &aim, photons * PILOT_SHARE);
+        Pilot { seed, photons, aim, map }
+    }
+
+    fn trace(&mut self, seed: u64, set: u32, aim: &Aim, emitted: u32) -> PhotonMap {
+        let (scene, settings) = (&*self.scene, &self.settings);
+        let job = Job { scene, settings, store: Store::Scattered, aim, seed, set, emitted };
         let traced = specialise_coarsely!(scene.has(), HAS => job.trace::<HAS>());
         self.statistics.merge(&traced.statistics);
         PhotonMap::new(traced.photons)
@@ -141,12 +172,11 @@ impl Technique for ProgressiveMapper {
         } else {
             0
         };
-        if self.pilot.as_ref().is_none_or(|pilot| (pilot.seed, pilot.photons) != (seed, photons)) {
-            let map = self.trace(seed, PILOT, photons * PILOT_SHARE);
-            self.pilot = Some(Pilot { seed, photons, map });
-        }
-        let map = self.trace(seed, pass, photons);
-        let Some(pilot) = &self.pilot else { return };
+        let pilot = match self.pilot.take() {
+            Some(pilot) if (pilot.seed, pilot.photons) == (seed, photons) => pilot,
+            _ => self.pilot(seed, photons, size),
+        };
+        let map = self.trace(seed, pass, &pilot.aim, photons);
         self.statistics.memory_bytes = self.scene.memory_bytes() + pilot.map.memory_bytes() + map.memory_bytes();
         self.statistics.add_time("photons", start.elapsed());
 
@@ -163,10 +193,12 @@ impl Technique for ProgressiveMapper {
             settings: &self.settings,
             filter: film.filter(),
             caustics: None,
+            footprint: Footprint::of(&self.scene, size),
             indirect: Indirect::Progressive {
                 photons: Source { map: &map, gathering },
                 pilot: Source { map: &pilot.map, gathering },
                 shrink: shrinkage(pass, self.options.alpha) as f32,
+                pixels: self.options.pixels,
             },
         };
         let settings = &self.settings;
@@ -179,6 +211,7 @@ impl Technique for ProgressiveMapper {
                 eye.pixel_sample::<HAS>(pixel, &mut **sampler, found, &mut statistics.rays)
             },
         ));
+        self.pilot = Some(pilot);
         self.statistics.merge(&counted);
         self.statistics.add_time("passes", start.elapsed());
     }

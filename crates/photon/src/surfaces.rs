@@ -8,6 +8,10 @@ use etendue_core::{
 
 /// Whether a surface scatters by delta lobes and lobes of a roughness of at most [`NARROW_ALPHA`] alone: paths are led on over
 /// it, and photons are not stored, for too few of them arrive from where it looks.
+///
+/// A narrow lobe beside a wide one, as the coat of rough plastic over its body, does not make a surface narrow: it takes photons,
+/// and its coat reflects what they carry. Light that such a coat throws onto another surface is indirect light there, and no
+/// caustic: the global map has it, or paths. Only delta lobes are told apart within a surface.
 #[inline]
 pub fn is_narrow<const HAS: u32>(bsdf: &Bsdf) -> bool {
     HAS & has::LOBES != 0 && is_narrow_lobe(&bsdf.first) && bsdf.second.is_none_or(|(lobe, _)| is_narrow_lobe(&lobe))

@@ -62,6 +62,17 @@ pub struct Stored {
 /// An emission that led to photons: numbers of its point and direction, and how many photons.
 pub type Fruitful = (Vec2, Vec2, u32);
 
+/// What a pilot has found.
+#[derive(Debug, Default)]
+pub struct Pilot {
+    /// Emissions that led to photons, in order.
+    pub emissions: Vec<Fruitful>,
+    /// Where the photons lie: those of the first emission, then those of the second, and so on.
+    pub photons: Vec<(Vec3, Photon)>,
+    /// What it took.
+    pub statistics: RenderStatistics,
+}
+
 /// Paths that share a sampler; enough that many runs keep all threads busy.
 const RUN: u32 = 1024;
 
@@ -75,7 +86,7 @@ struct Run {
 impl Job<'_> {
     /// Emits photons and follows them. The result depends on the job alone, on any number of threads.
     pub fn trace<const HAS: u32>(&self) -> Stored {
-        let (runs, statistics) = self.runs::<HAS>(false);
+        let (runs, statistics) = self.runs::<HAS>();
         let mut photons = Vec::with_capacity(runs.iter().map(|run| run.photons.len()).sum());
         // Shares of the flux, now that it is known how many there are.
         let share = 1.0 / self.emitted as f32;
@@ -89,12 +100,17 @@ impl Job<'_> {
     }
 
     /// Emits photons to see which emissions lead to stored ones.
-    pub fn pilot<const HAS: u32>(&self) -> (Vec<Fruitful>, RenderStatistics) {
-        let (runs, statistics) = self.runs::<HAS>(true);
-        (runs.into_iter().flat_map(|run| run.fruitful).collect(), statistics)
+    pub fn pilot<const HAS: u32>(&self) -> Pilot {
+        let (runs, statistics) = self.runs::<HAS>();
+        let mut pilot = Pilot { statistics, ..Pilot::default() };
+        for run in runs {
+            pilot.emissions.extend(run.fruitful);
+            pilot.photons.extend(run.photons);
+        }
+        pilot
     }
 
-    fn runs<const HAS: u32>(&self, pilot: bool) -> (Vec<Run>, RenderStatistics) {
+    fn runs<const HAS: u32>(&self) -> (Vec<Run>, RenderStatistics) {
         let mut runs: Vec<Run> = (0..self.emitted.div_ceil(RUN)).map(|_| Run::default()).collect();
         let statistics = parallel::for_runs_of(&mut runs, 1, |index, runs| {
             let mut statistics = RenderStatistics::default();
@@ -108,9 +124,8 @@ impl Job<'_> {
                     continue;
                 };
                 let stored = runs[0].photons.len() - before;
-                if pilot && stored > 0 {
+                if stored > 0 {
                     runs[0].fruitful.push((numbers.0, numbers.1, stored as u32));
-                    runs[0].photons.clear();
                 }
             }
             statistics

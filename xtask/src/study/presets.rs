@@ -3,10 +3,12 @@
 /// A scene, a technique, and its knobs as `name=value`.
 type Preset = (&'static str, &'static str, &'static [&'static str]);
 
-const PRESETS: [Preset; 4] = [
+const PRESETS: [Preset; 6] = [
     ("glass-ball", "photon", &["caustic_photons=10000", "nearest=50"]),
     ("ring", "photon", &["caustic_photons=50000", "nearest=50"]),
     ("glossy-caustic", "photon", &["caustic_photons=340000", "nearest=100"]),
+    ("studio", "photon", &["caustic_photons=100000", "nearest=50"]),
+    ("cornell", "photon", &["global_photons=200000", "nearest=100"]),
     ("pool", "photon", &["caustic_photons=300000", "nearest=50"]),
 ];
 
@@ -30,6 +32,6 @@ mod tests {
             techniques::knobs(techniques::find(technique).unwrap(), &given).unwrap();
         }
         assert_eq!(knobs("ring:radius=1", "photon").len(), 2);
-        assert!(knobs("ring", "path").is_empty() && knobs("cornell", "photon").is_empty());
+        assert!(knobs("ring", "path").is_empty() && knobs("veach-mis", "photon").is_empty());
     }
 }

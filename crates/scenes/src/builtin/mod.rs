@@ -16,6 +16,7 @@ mod parts;
 pub mod pool;
 pub mod ring;
 pub mod sky;
+pub mod studio;
 pub mod veach_mis;
 
 use crate::{LoadError, LoadedScene, error::nearest};
@@ -81,6 +82,7 @@ pub fn builtins() -> &'static [Builtin] {
         glass_ball::BUILTIN,
         glossy_caustic::BUILTIN,
         pool::BUILTIN,
+        studio::BUILTIN,
         hidden_lights::BUILTIN,
         bumpy::BUILTIN,
     ]

@@ -61,7 +61,7 @@ fn check(spec: &str, scene: &LoadedScene) {
 
 #[test]
 fn every_scene_loads_with_its_defaults_and_its_extremes() {
-    assert_eq!(builtins().len(), 13);
+    assert_eq!(builtins().len(), 14);
     for builtin in builtins() {
         check(builtin.name, &load(builtin.name).unwrap());
         for parameter in builtin.parameters {
