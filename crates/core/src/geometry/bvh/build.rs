@@ -4,6 +4,7 @@ use super::{
     Bvh, Child, Pack,
     collapse::{Lone, Plan},
     node::{LANES, WIDTH},
+    repack::repack,
     split::cut,
     topology::{Binary, cluster},
 };
@@ -43,24 +44,17 @@ impl Bvh {
         }
         assert!(references.len() <= (Child::MAX / 2) as usize, "more than {} primitives", Child::MAX / 2);
         cut(&mut references, &triangle);
-        let binary = cluster(&references);
-        // Which nodes hold triangles only: those that may become packs.
-        let mut triangles = vec![true; binary.len()];
-        for n in (0..binary.len()).rev() {
-            let first = binary[n].first as usize;
-            triangles[n] = if binary[n].count == 1 {
-                references[first].kind == Kind::Triangle
-            } else {
-                triangles[first] && triangles[first + 1]
-            };
-        }
-        let lone = |leaf: &Binary| match references[leaf.first as usize].kind {
-            Kind::Triangle => Lone::Triangle,
-            Kind::Curved | Kind::Instance => Lone::Other,
+        let clustered = cluster(&references);
+        let packed = repack(&clustered, &references);
+        let [clustered_plan, packed_plan] = [&clustered, &packed].map(|binary| plan(binary, &references));
+        // Full packs are worth a worse tree in most places, but not in all.
+        let (binary, plan) = if packed_plan.cost() < clustered_plan.cost() {
+            (&packed, packed_plan)
+        } else {
+            (&clustered, clustered_plan)
         };
-        let plan = Plan::new(&binary, lone, |n| triangles[n] && binary[n].count as usize <= LANES);
         let mut emitter = Emitter {
-            binary: &binary,
+            binary,
             plan,
             references: &references,
             triangle,
@@ -69,6 +63,25 @@ impl Bvh {
         emitter.run();
         emitter.bvh
     }
+}
+
+/// Plans the wide tree.
+fn plan<'a>(binary: &'a [Binary], references: &[Reference]) -> Plan<'a> {
+    // Which nodes hold triangles only: those that may become packs.
+    let mut triangles = vec![true; binary.len()];
+    for n in (0..binary.len()).rev() {
+        let first = binary[n].first as usize;
+        triangles[n] = if binary[n].count == 1 {
+            references[first].kind == Kind::Triangle
+        } else {
+            triangles[first] && triangles[first + 1]
+        };
+    }
+    let lone = |leaf: &Binary| match references[leaf.first as usize].kind {
+        Kind::Triangle => Lone::Triangle,
+        Kind::Curved | Kind::Instance => Lone::Other,
+    };
+    Plan::new(binary, lone, |n| triangles[n] && binary[n].count as usize <= LANES)
 }
 
 /// Writes the wide tree.

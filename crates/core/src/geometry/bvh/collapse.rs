@@ -60,6 +60,11 @@ impl<'a> Plan<'a> {
         plan
     }
 
+    /// The expected cost of the whole.
+    pub fn cost(&self) -> f32 {
+        self.costs[0][0]
+    }
+
     /// Whether a node becomes a leaf when it is one root.
     pub fn is_leaf(&self, n: usize) -> bool {
         self.leaf[n]

@@ -7,7 +7,7 @@
 use super::{
     Reference,
     node::LANES,
-    topology::{Binary, unit_scale},
+    topology::{Binary, bound, unit_scale},
 };
 use crate::parallel;
 use glam::Vec3;
@@ -19,7 +19,7 @@ const SWEPT: usize = 32;
 /// Bins on an axis.
 const BINS: usize = 32;
 
-/// Divides the subtrees of up to [`SMALL`] references once more. Boxes and inner counts are left to the caller.
+/// Divides the subtrees of up to [`SMALL`] references once more.
 pub(super) fn repack(tree: &[Binary], references: &[Reference]) -> Vec<Binary> {
     let mut packed = vec![Binary::EMPTY];
     packed.reserve(tree.len());
@@ -69,6 +69,7 @@ pub(super) fn repack(tree: &[Binary], references: &[Reference]) -> Vec<Binary> {
         divide(&mut items, nodes, *first);
     });
     drop(jobs);
+    bound(&mut packed, references);
     packed
 }
 
@@ -256,7 +257,9 @@ mod tests {
             let line: Vec<_> = (0..n).map(|i| reference(Vec3::X * i as f32, Vec3::ZERO)).collect();
             let enormous: Vec<_> = (0..n).map(|_| reference(point() * -3e38, point() * 3e38)).collect();
             for references in [spread, coincident, line, enormous] {
-                check(&cluster(&references), &references);
+                let clustered = cluster(&references);
+                check(&clustered, &references);
+                check(&repack(&clustered, &references), &references);
             }
         }
     }
@@ -266,7 +269,7 @@ mod tests {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(8);
         let mut point = move || Vec3::new(rng.random(), rng.random(), 0.0);
         let references: Vec<_> = (0..4000).map(|_| reference(point(), Vec3::splat(1e-3))).collect();
-        let tree = cluster(&references);
+        let tree = repack(&cluster(&references), &references);
         // Largest subtrees that a pack holds.
         let (mut packs, mut pending) = (0, vec![0]);
         while let Some(n) = pending.pop() {

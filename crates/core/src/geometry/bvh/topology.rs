@@ -1,6 +1,6 @@
 //! The binary tree that the wide hierarchy is collapsed from.
 
-use super::{Reference, repack::repack};
+use super::Reference;
 use crate::digest::{GOLDEN, mix};
 use glam::Vec3;
 use obvhs::{
@@ -28,8 +28,8 @@ impl Binary {
 /// Share of the nodes that are put back where they cost least, in the first of several rounds. [Meister and Bittner 2018b]
 const REINSERTED: f32 = 0.02;
 
-/// Builds the tree by parallel locally-ordered clustering [Meister and Bittner 2018], and its smallest subtrees by division.
-/// The root is the first node, children come after their parents.
+/// Builds the tree by parallel locally-ordered clustering. [Meister and Bittner 2018] The root is the first node, children
+/// come after their parents.
 ///
 /// Clustering only decides who is next to whom; boxes are those of the references, in their own scale.
 pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
@@ -54,13 +54,11 @@ pub(super) fn cluster(references: &[Reference]) -> Vec<Binary> {
         }
     }
     bound(&mut nodes, references);
-    let mut nodes = repack(&nodes, references);
-    bound(&mut nodes, references);
     nodes
 }
 
 /// Gives boxes and counts to nodes, from the leaves on.
-fn bound(nodes: &mut [Binary], references: &[Reference]) {
+pub(super) fn bound(nodes: &mut [Binary], references: &[Reference]) {
     for i in (0..nodes.len()).rev() {
         let node = nodes[i];
         nodes[i] = if node.count == 1 {
