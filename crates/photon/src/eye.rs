@@ -64,6 +64,10 @@ pub(crate) struct Eye<'a> {
     pub footprint: Footprint,
 }
 
+/// Smallest first radius of progressive estimates, in pixels. Below it blur is not seen; but where photons of the pilot happen to
+/// lie close together, a disk of next to no size would get few photons, of enormous weight.
+const FINEST: f32 = 0.5;
+
 /// How large a pixel is, by how far what it shows is away.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
@@ -171,9 +175,10 @@ impl Eye<'_> {
                 Look { reflected: reflected(ask::<HAS>(global, vertex, found)), direct: false, ends: true }
             }
             Indirect::Progressive { photons, pilot, shrink, pixels } => {
-                let radius = pilot.gathering.radius.min(pixels * footprint);
-                let gathering = Gathering { radius, ..pilot.gathering };
-                let radius = pilot.map.reach::<HAS>(vertex, &gathering, found) * shrink;
+                let most = pilot.gathering.radius.min(pixels * footprint);
+                let gathering = Gathering { radius: most, ..pilot.gathering };
+                let least = most.min(FINEST * footprint);
+                let radius = pilot.map.reach::<HAS>(vertex, &gathering, found).max(least) * shrink;
                 let estimate = photons.map.radiance_within::<HAS>(vertex, &photons.gathering, radius);
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }
