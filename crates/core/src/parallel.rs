@@ -50,7 +50,7 @@ pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> 
 /// Calls `work` with every item.
 pub(crate) fn for_each<T: Send>(items: &mut [T], work: impl Fn(&mut T) + Sync) {
     #[cfg(feature = "parallel")]
-    items.par_iter_mut().for_each(|item| work(item));
+    items.par_iter_mut().for_each(&work);
     #[cfg(not(feature = "parallel"))]
     items.iter_mut().for_each(work);
 }

@@ -163,7 +163,7 @@ impl Arena {
     #[inline(always)]
     fn units<const N: usize>(&self, child: Child) -> &[Unit; N] {
         let at = child.index();
-        self.0[at..at + N].as_array().unwrap()
+        self.0[at..].first_chunk().expect("a child refers to units that there are")
     }
 
     /// Where the first unit is.
