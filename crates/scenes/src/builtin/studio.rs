@@ -27,7 +27,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
         Parameter {
             name: "width",
             summary: "width of the image in texels; it is half as high",
-            kind: ParameterKind::Integer { default: 512, range: (64, 8192) },
+            kind: ParameterKind::Integer { default: 512, range: (64, 2048) },
         },
     ],
     build,

@@ -14,8 +14,8 @@ fn names_and_parameters() {
         (
             "cornel",
             "unknown scene `cornel` (did you mean `cornell`?); built-in scenes are cornell, furnace, veach-mis, \
-             glass-caustic, ring, ajar-door, many-lights, sky, glass-ball, glossy-caustic, pool, hidden-lights, bumpy, \
-             and a path to a .xml, .gltf or .glb file is a scene too",
+             glass-caustic, ring, ajar-door, many-lights, sky, glass-ball, glossy-caustic, pool, studio, hidden-lights, \
+             bumpy, and a path to a .xml, .gltf or .glb file is a scene too",
         ),
         ("many-lights:m=3", "scene `many-lights` has no parameter `m`; it has n, seed"),
         ("many-lights:sed=3", "scene `many-lights` has no parameter `sed` (did you mean `seed`?); it has n, seed"),
