@@ -1,6 +1,7 @@
 //! What depends on the processor: one walk, compiled for the baseline and for AVX2, the choice between them, and prefetching.
 //!
-//! Both walks are the same source without fused multiply-adds; they return the same bits. All unsafe code is here.
+//! Both walks are the same source without fused multiply-adds; they return the same bits. Unsafe code is here and in
+//! `bvh/stack.rs` alone.
 
 use super::{
     Geometry, Hit,
