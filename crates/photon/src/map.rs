@@ -184,10 +184,11 @@ impl PhotonMap {
                 let mut sum = Rgb::BLACK;
                 for near in nearest.iter().filter(|near| !(on_border && *near == farthest)) {
                     let photon = self.tree.payload(near.index());
+                    // Whatever part it belongs to, so that parts rendered by themselves add up.
+                    place.longest = place.longest.max(photon.history().depth);
                     // Behind the final gathering's first surface, which is rough.
                     if gathering.parts.contains(photon.history().part(1)) {
                         sum += photon.power * gathering.kernel.weight(near.distance_squared() / radius2);
-                        place.longest = place.longest.max(photon.history().depth);
                     }
                 }
                 if let Some(e) = estimate(sum, radius2) {
