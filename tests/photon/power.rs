@@ -157,8 +157,7 @@ fn aiming_keeps_the_power_of_caustics() {
         set: 7,
         emitted: 1 << 13,
     };
-    let found = job.pilot::<{ has::ALL }>();
-    let aim = Aim::at(&found.emissions.iter().map(|e| (e.0, e.1, f64::from(e.2))).collect::<Vec<_>>());
+    let aim = Aim::at(&job.pilot::<{ has::ALL }>().by_number());
     let total = |p: &Vec<f64>| p.iter().sum::<f64>();
     let plain = stored(&loaded.description, Store::Caustic, &none, 1 << 15);
     let aimed = stored(&loaded.description, Store::Caustic, &aim, 1 << 12);

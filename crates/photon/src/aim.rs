@@ -39,6 +39,9 @@ impl Aim {
     pub fn at(fruitful: &[Worth]) -> Aim {
         let total: f64 = fruitful.iter().map(|f| f.2).sum();
         let doubt = DOUBT * total / fruitful.len() as f64;
+        if !(doubt.is_finite() && doubt > 0.0) {
+            return Aim::default();
+        }
         let table = |of: &dyn Fn(&Worth) -> Vec2| {
             let mut cells = vec![doubt; CELLS * CELLS];
             for entry in fruitful {
@@ -55,9 +58,6 @@ impl Aim {
             cells.iter_mut().for_each(|cell| *cell = cell.sqrt());
             Piecewise2d::new(&cells, CELLS)
         };
-        if !(total > 0.0 && doubt.is_finite()) {
-            return Aim::default();
-        }
         Aim { tables: table(&|e| e.0).zip(table(&|e| e.1)) }
     }
 

@@ -48,8 +48,8 @@ pub(crate) enum Indirect<'a> {
     /// The first one is, for direct light as well.
     Show { global: Option<Source<'a>> },
     /// The first one is asked for what it reflects of photons that are scattered before, within the `shrink`-fold radius that
-    /// the pilot's photons suggest, which is at most so many pixels.
-    Progressive { photons: Source<'a>, pilot: Source<'a>, shrink: f32, pixels: f32 },
+    /// the pilot's photons suggest, which is at most so many pixels of a size.
+    Progressive { photons: Source<'a>, pilot: Source<'a>, shrink: f32, pixels: f32, footprint: Footprint },
 }
 
 /// How pixels are estimated.
@@ -60,8 +60,6 @@ pub(crate) struct Eye<'a> {
     /// The caustic map, where there is one.
     pub caustics: Option<Source<'a>>,
     pub indirect: Indirect<'a>,
-    /// How large pixels are.
-    pub footprint: Footprint,
 }
 
 /// Smallest first radius of progressive estimates, in pixels. Below it blur is not seen; but where photons of the pilot happen to
@@ -135,7 +133,9 @@ impl Eye<'_> {
                     return if counts { sum + escaped::<HAS>(scene, settings.parts, 1.0, &end) } else { sum };
                 }
                 Vertex::Surface(vertex) => {
-                    length += vertex.from.distance(vertex.surface.p);
+                    if matches!(self.indirect, Indirect::Progressive { .. }) {
+                        length += vertex.from.distance(vertex.surface.p);
+                    }
                     if counts && let Some(element) = scene.element(&vertex.surface) {
                         sum += emitted::<HAS>(scene, settings.parts, 1.0, &vertex, element);
                     }
@@ -146,7 +146,7 @@ impl Eye<'_> {
                     let look = if narrow {
                         Look { reflected: Rgb::BLACK, direct: wide == 0 || !self.has_caustics(), ends: false }
                     } else {
-                        self.look::<HAS>(&vertex, wide, self.footprint.at(length), found)
+                        self.look::<HAS>(&vertex, wide, length, found)
                     };
                     sum += vertex.beta * look.reflected;
                     if look.direct && !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
@@ -166,18 +166,19 @@ impl Eye<'_> {
         }
     }
 
-    /// What the maps say of a surface that takes photons.
+    /// What the maps say of a surface that takes photons, at the end of a path whose length progressive estimates ask for.
     #[inline]
-    fn look<const HAS: u32>(&self, vertex: &SurfaceVertex, wide: u32, footprint: f32, found: &mut Neighbours) -> Look {
+    fn look<const HAS: u32>(&self, vertex: &SurfaceVertex, wide: u32, length: f32, found: &mut Neighbours) -> Look {
         let reflected = |e: Option<Estimate>| e.map_or(Rgb::BLACK, |e| e.radiance);
         match &self.indirect {
             Indirect::Show { global } => {
                 Look { reflected: reflected(ask::<HAS>(global, vertex, found)), direct: false, ends: true }
             }
-            Indirect::Progressive { photons, pilot, shrink, pixels } => {
-                let most = pilot.gathering.radius.min(pixels * footprint);
+            Indirect::Progressive { photons, pilot, shrink, pixels, footprint } => {
+                let pixel = footprint.at(length);
+                let most = pilot.gathering.radius.min(pixels * pixel);
                 let gathering = Gathering { radius: most, ..pilot.gathering };
-                let least = most.min(FINEST * footprint);
+                let least = most.min(FINEST * pixel);
                 let radius = pilot.map.reach::<HAS>(vertex, &gathering, found).max(least) * shrink;
                 let estimate = photons.map.radiance_within::<HAS>(vertex, &photons.gathering, radius);
                 Look { reflected: reflected(estimate), direct: true, ends: false }

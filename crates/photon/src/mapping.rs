@@ -1,8 +1,8 @@
 //! Photon mapping.
 
 use crate::{
-    aim::{Aim, Worth},
-    eye::{Eye, Footprint, Indirect, Source},
+    aim::Aim,
+    eye::{Eye, Indirect, Source},
     kd_tree::Neighbours,
     kernel::Kernel,
     map::{Gathering, IrradianceMap, PhotonMap},
@@ -72,7 +72,7 @@ pub static PHOTON: TechniqueInfo = TechniqueInfo {
         },
         Knob {
             name: "renew",
-            summary: "maps are made anew after so many samples for each photon in them; 0: one serves all",
+            summary: "maps are made anew after so many samples for each photon asked for; 0: one serves all",
             range: (0.0, 1e6),
             default: 4.0,
         },
@@ -110,7 +110,7 @@ pub struct Options {
     pub irradiance_every: usize,
     /// How photons count by distance.
     pub kernel: Kernel,
-    /// Maps are made anew after so many samples for each of their photons; 0: one serves all.
+    /// Maps are made anew after so many samples for each photon asked for; 0: one serves all.
     pub renew: f64,
 }
 
@@ -292,7 +292,7 @@ impl PhotonMapper {
         let pilot = Job { scene, settings, store, aim: &Aim::default(), seed, set, emitted: PILOT.min(photons) };
         let found = specialise_coarsely!(scene.has(), HAS => pilot.pilot::<HAS>());
         self.statistics.merge(&found.statistics);
-        let fruitful: Vec<Worth> = found.emissions.iter().map(|e| (e.0, e.1, f64::from(e.2))).collect();
+        let fruitful = found.by_number();
         let aim = if store == Store::Caustic { Aim::at(&fruitful) } else { Aim::default() };
         // What an aimed emission yields, seen from the pilot's.
         let stored: f64 = fruitful.iter().map(|f| f.2 * f64::from(aim.density(f.0, f.1))).sum();
@@ -337,7 +337,6 @@ impl Technique for PhotonMapper {
             settings: &self.settings,
             filter: film.filter(),
             caustics,
-            footprint: Footprint::of(&self.scene, film.resolution()),
             indirect: match self.options.indirect {
                 IndirectLight::Paths => Indirect::Paths,
                 IndirectLight::Gather => Indirect::Gather { global, irradiance },

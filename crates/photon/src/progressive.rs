@@ -136,6 +136,9 @@ impl ProgressiveMapper {
 
     /// The pilot of a seed: where the camera looks, then where photons have to start that come there, then first radii.
     fn pilot(&mut self, seed: u64, photons: u32, resolution: UVec2) -> Pilot {
+        if photons == 0 {
+            return Pilot { seed, photons, aim: Aim::default(), map: PhotonMap::new(Vec::new()) };
+        }
         let (scene, settings) = (&*self.scene, &self.settings);
         let job =
             Job { scene, settings, store: Store::Scattered, aim: &Aim::default(), seed, set: AIMING, emitted: photons };
@@ -193,12 +196,12 @@ impl Technique for ProgressiveMapper {
             settings: &self.settings,
             filter: film.filter(),
             caustics: None,
-            footprint: Footprint::of(&self.scene, size),
             indirect: Indirect::Progressive {
                 photons: Source { map: &map, gathering },
                 pilot: Source { map: &pilot.map, gathering },
                 shrink: shrinkage(pass, self.options.alpha) as f32,
                 pixels: self.options.pixels,
+                footprint: Footprint::of(&self.scene, size),
             },
         };
         let settings = &self.settings;

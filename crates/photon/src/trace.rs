@@ -1,7 +1,7 @@
 //! Photons on their way: from the lights to where they are stored.
 
 use crate::{
-    aim::Aim,
+    aim::{Aim, Worth},
     octahedral::Octahedral,
     photon::{Photon, PhotonHistory},
     surfaces::is_narrow,
@@ -71,6 +71,13 @@ pub struct Pilot {
     pub photons: Vec<(Vec3, Photon)>,
     /// What it took.
     pub statistics: RenderStatistics,
+}
+
+impl Pilot {
+    /// Emissions, each worth as many as its photons.
+    pub fn by_number(&self) -> Vec<Worth> {
+        self.emissions.iter().map(|e| (e.0, e.1, f64::from(e.2))).collect()
+    }
 }
 
 /// Paths that share a sampler; enough that many runs keep all threads busy.

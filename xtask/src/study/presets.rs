@@ -1,4 +1,5 @@
-//! Knobs that a study turns for certain scenes: the photon counts that the figures of the literature go with.
+//! Knobs that a study turns for certain scenes: the photon counts that the figures of the literature go with, and for `studio`,
+//! of which it tells none, one of their kind.
 
 /// A scene, a technique, and its knobs as `name=value`.
 type Preset = (&'static str, &'static str, &'static [&'static str]);

@@ -89,21 +89,40 @@ fn build(values: &Values) -> LoadedScene {
     stage.finish(12)
 }
 
-/// The share of a texel's 8 x 8 points that `inside` holds of.
-fn covered(points: impl Fn(f64, f64) -> DVec3, inside: impl Fn(DVec3) -> bool) -> f32 {
-    (0..64).filter(|i| inside(points((f64::from(i % 8) + 0.5) / 8.0, (f64::from(i / 8) + 0.5) / 8.0))).count() as f32
-        / 64.0
+/// A panel as an image is made of it: a rectangle in the plane that faces the table.
+struct Rectangle {
+    normal: DVec3,
+    right: DVec3,
+    up: DVec3,
+    /// Half its extents on the plane at distance 1.
+    half: (f64, f64),
+    /// Angle of the cone around it.
+    cone: f64,
 }
 
-impl Panel {
-    /// Whether a unit direction looks at the panel: a rectangle in the plane that faces the table.
-    fn contains(&self, direction: DVec3) -> bool {
-        let normal = self.towards.normalize();
+impl Rectangle {
+    fn new(towards: DVec3, (width, height): (f64, f64)) -> Rectangle {
+        let normal = towards.normalize();
         let right = DVec3::Y.cross(normal).normalize();
-        let along = direction.dot(normal);
+        let half = (width.tan(), height.tan());
+        Rectangle { normal, right, up: normal.cross(right), half, cone: half.0.hypot(half.1).atan() }
+    }
+
+    fn contains(&self, direction: DVec3) -> bool {
+        let along = direction.dot(self.normal);
         along > 0.0
-            && (direction.dot(right) / along).abs() < self.half.0.tan()
-            && (direction.dot(normal.cross(right)) / along).abs() < self.half.1.tan()
+            && (direction.dot(self.right) / along).abs() < self.half.0
+            && (direction.dot(self.up) / along).abs() < self.half.1
+    }
+
+    /// The share of a texel's 8 x 8 points that lie inside; no point is further from the one in the middle than `radius`.
+    fn covered(&self, point: impl Fn(f64, f64) -> DVec3, radius: f64) -> f32 {
+        let middle = point(0.5, 0.5).dot(self.normal).clamp(-1.0, 1.0).acos();
+        if middle > self.cone + radius {
+            return 0.0;
+        }
+        let at = |i: u32| (f64::from(i) + 0.5) / 8.0;
+        (0..64).filter(|i| self.contains(point(at(i % 8), at(i / 8)))).count() as f32 / 64.0
     }
 }
 
@@ -114,7 +133,10 @@ fn studio_image(width: u32, spot: f64) -> Bitmap<Rgb> {
         let (phi, theta) = (column / f64::from(width) * 2.0 * PI, row / f64::from(height) * PI);
         DVec3::new(theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos())
     };
-    let lamp = Panel { towards: SPOT.0, half: (SPOT.1, SPOT.1), radiance: Rgb::new(1.0, 0.93, 0.82) };
+    let panels = PANELS.map(|panel| (Rectangle::new(panel.towards, panel.half), panel.radiance));
+    let (lamp, lamp_radiance) = (Rectangle::new(SPOT.0, (SPOT.1, SPOT.1)), Rgb::new(1.0, 0.93, 0.82));
+    // Half a texel's diagonal at the horizon, where texels are largest.
+    let radius = (PI / f64::from(width)).hypot(0.5 * PI / f64::from(height));
     let mut texels = Vec::with_capacity(width as usize * height as usize);
     let mut lit = Vec::with_capacity(texels.capacity());
     // Irradiance on the table of all but the lamp, and of a lamp of radiance 1.
@@ -128,19 +150,19 @@ fn studio_image(width: u32, spot: f64) -> Bitmap<Rgb> {
             // Walls grow darker upwards, under a grey ceiling; below the table is a dark floor.
             let wall = if y < 0.0 { 0.05 } else { 0.16 - 0.1 * y };
             let mut texel = Rgb::splat(wall as f32);
-            for panel in &PANELS {
-                texel += panel.radiance * covered(point, |d| panel.contains(d));
+            for (panel, radiance) in &panels {
+                texel += *radiance * panel.covered(point, radius);
             }
-            let share = covered(point, |d| lamp.contains(d));
+            let share = lamp.covered(point, radius);
             rest += f64::from(texel.luminance()) * y.max(0.0) * solid_angle;
-            one += f64::from(lamp.radiance.luminance() * share) * y.max(0.0) * solid_angle;
+            one += f64::from(lamp_radiance.luminance() * share) * y.max(0.0) * solid_angle;
             texels.push(texel);
             lit.push(share);
         }
     }
     // No point of a coarse image may lie in the lamp by chance; then it has none.
     if one > 0.0 {
-        let radiance = lamp.radiance * (spot * rest / one) as f32;
+        let radiance = lamp_radiance * (spot * rest / one) as f32;
         texels.iter_mut().zip(&lit).for_each(|(texel, share)| *texel += radiance * *share);
     }
     Bitmap { width, height, texels }

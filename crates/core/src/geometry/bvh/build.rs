@@ -8,6 +8,7 @@ use super::{
     split::cut,
     topology::{Binary, cluster},
 };
+use crate::parallel;
 use glam::Vec3;
 
 /// What a reference refers to.
@@ -46,7 +47,8 @@ impl Bvh {
         cut(&mut references, &triangle);
         let clustered = cluster(&references);
         let packed = repack(&clustered, &references);
-        let [clustered_plan, packed_plan] = [&clustered, &packed].map(|binary| plan(binary, &references));
+        let (clustered_plan, packed_plan) =
+            parallel::join(|| plan(&clustered, &references), || plan(&packed, &references));
         // Full packs are worth a worse tree in most places, but not in all.
         let (binary, plan) = if packed_plan.cost() < clustered_plan.cost() {
             (&packed, packed_plan)

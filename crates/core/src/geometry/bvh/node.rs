@@ -123,6 +123,8 @@ const PACK: usize = size_of::<Pack>() / size_of::<Unit>();
 #[derive(Debug, Default)]
 pub(in crate::geometry) struct Arena(Vec<Unit>);
 
+const THERE: &str = "a child refers to units that there are";
+
 impl Arena {
     /// Adds a node without children; `None` when there is no room for more.
     pub fn push_node(&mut self) -> Option<Child> {
@@ -150,8 +152,7 @@ impl Arena {
 
     /// The same, to be filled.
     pub fn node_mut(&mut self, child: Child) -> &mut Node {
-        let at = child.index();
-        bytemuck::cast_slice_mut::<Unit, Node>(&mut self.0[at..at + NODE]).first_mut().unwrap_or_else(|| unreachable!())
+        bytemuck::must_cast_mut(self.0[child.index()..].first_chunk_mut::<NODE>().expect(THERE))
     }
 
     /// The pack that a child refers to.
@@ -162,8 +163,7 @@ impl Arena {
 
     #[inline(always)]
     fn units<const N: usize>(&self, child: Child) -> &[Unit; N] {
-        let at = child.index();
-        self.0[at..].first_chunk().expect("a child refers to units that there are")
+        self.0[child.index()..].first_chunk().expect(THERE)
     }
 
     /// Where the first unit is.

@@ -77,7 +77,8 @@ impl Prepared {
     pub fn boxes(&self, node: &Node, cutoff: f32) -> ([f32; WIDTH], u32) {
         let ([ox, oy, oz], [ix, iy, iz], [fx, fy, fz], near) = self.slabs();
         let [x, y, z] = &node.bounds;
-        let [nx, ny, nz] = near.map(|row| row / ROW % 2);
+        let side = |row: usize| row / ROW % 2;
+        let (nx, ny, nz) = (side(near[0]), side(near[1]), side(near[2]));
         let (x0, x1, y0, y1, z0, z1) = (&x[nx], &x[nx ^ 1], &y[ny], &y[ny ^ 1], &z[nz], &z[nz ^ 1]);
         let mut enter = [0.0f32; WIDTH];
         let mut hits = 0;
