@@ -14,7 +14,7 @@ use etendue_core::{
     },
     has,
     lights::{DirectSample, EmissionDensity, EmissionSample},
-    ray::Ray,
+    ray::{PrimitiveId, Ray},
     rgb::Rgb,
     scene::Scene,
     statistics::render::Rays,
@@ -408,6 +408,7 @@ impl<'a> Retraced<'a> {
             target: p,
             target_error: p_error,
             target_normal: normal,
+            target_id: PrimitiveId::NONE,
             element,
         }
     }

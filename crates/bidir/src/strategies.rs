@@ -359,7 +359,7 @@ impl<'a> Paths<'a> {
         let ray = if light.infinite {
             spawn_ray(surface, light.wi)
         } else {
-            shadow_ray(surface, light.target, light.target_error, light.target_normal)
+            shadow_ray(surface, light.target, light.target_error, light.target_normal, light.target_id)
         };
         rays.shadow += 1;
         if scene.occluded::<HAS>(&ray) {
@@ -424,7 +424,7 @@ impl<'a> Paths<'a> {
             part: light.part,
             value,
             weight: joint.weight::<HAS>(self.heuristic) as f32,
-            ray: shadow_ray(&z.surface, y.surface.p, y.surface.p_error, y.surface.ng),
+            ray: shadow_ray(&z.surface, y.surface.p, y.surface.p_error, y.surface.ng, y.surface.id),
         })
     }
 }

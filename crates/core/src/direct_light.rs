@@ -81,7 +81,7 @@ pub fn light_ray(vertex: &SurfaceVertex, light: &DirectSample) -> Ray {
     if light.infinite {
         spawn_ray(&vertex.surface, light.wi)
     } else {
-        shadow_ray(&vertex.surface, light.target, light.target_error, light.target_normal)
+        shadow_ray(&vertex.surface, light.target, light.target_error, light.target_normal, light.target_id)
     }
 }
 
@@ -101,30 +101,47 @@ pub fn arriving<const HAS: u32>(scene: &Scene, vertex: &SurfaceVertex, light: &D
     light.radiance * vertex.transmittance::<HAS>(scene, light.wi, distance)
 }
 
-/// Light that reaches the vertex from a sampled point of a sampled light, times the path's throughput, if it is among `parts`.
+/// Light that reaches a vertex if nothing is in between.
+///
+/// Whether anything is, is best asked after the path's next direction has been sampled: neither waits for the other, while a walk
+/// through the hierarchy lets nothing start that comes after it.
+#[derive(Clone, Copy, Debug)]
+pub struct LightEdge {
+    /// The way to the light.
+    pub ray: Ray,
+    /// What it adds to the pixel, weighted.
+    pub value: Rgb,
+}
+
+impl LightEdge {
+    /// What arrives.
+    #[inline]
+    pub fn arriving<const HAS: u32>(&self, scene: &Scene, rays: &mut Rays) -> Rgb {
+        rays.shadow += 1;
+        if scene.occluded::<HAS>(&self.ray) { Rgb::BLACK } else { self.value }
+    }
+}
+
+/// Samples a light and a point of it for a vertex (next-event estimation); `None` where nothing can come of it, or only what is not
+/// among `parts`.
 #[inline]
 pub fn next_event<const HAS: u32>(
     scene: &Scene,
     parts: Parts,
     vertex: &SurfaceVertex,
     sampler: &mut dyn Sampler,
-    rays: &mut Rays,
-) -> Rgb {
+) -> Option<LightEdge> {
     let u_choice = sampler.get_1d(vertex.depth, Purpose::LightChoice);
     let u = sampler.get_2d(vertex.depth, Purpose::LightPoint);
-    let from = vertex.surface.p;
-    let Some(light) = scene.lights().sample_direct::<HAS>(from, u_choice, u) else { return Rgb::BLACK };
+    let light = scene.lights().sample_direct::<HAS>(vertex.surface.p, u_choice, u)?;
     if !parts.contains(sampled_part(vertex.history, &light)) {
-        return Rgb::BLACK;
+        return None;
     }
     let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
     if f_cos.is_black() {
-        return Rgb::BLACK;
-    }
-    rays.shadow += 1;
-    if scene.occluded::<HAS>(&light_ray(vertex, &light)) {
-        return Rgb::BLACK;
+        return None;
     }
     let weight = light_weight(&light, 1.0, bsdf_pdf);
-    vertex.beta * f_cos * arriving::<HAS>(scene, vertex, &light) * (weight / light.pdf_w)
+    let value = vertex.beta * f_cos * arriving::<HAS>(scene, vertex, &light) * (weight / light.pdf_w);
+    Some(LightEdge { ray: light_ray(vertex, &light), value })
 }

@@ -16,6 +16,8 @@ pub struct Ray {
     pub t_max: f32,
     /// What it starts on: a triangle is flat, so the ray never meets it again, and need not be tested against it.
     pub leaves: PrimitiveId,
+    /// What the end of a segment lies on, by which a triangle cannot hide it.
+    pub arrives: PrimitiveId,
 }
 
 /// A primitive among all that a ray can meet.
@@ -28,7 +30,7 @@ pub struct PrimitiveId {
 }
 
 impl PrimitiveId {
-    /// No primitive: a ray that starts in free space.
+    /// No primitive: a ray that starts or ends in free space.
     pub const NONE: PrimitiveId = PrimitiveId { primitive: u32::MAX, instance: u32::MAX };
 }
 
@@ -36,7 +38,7 @@ impl Ray {
     /// An unbounded ray.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Ray {
-        Ray { origin, direction, t_max: f32::INFINITY, leaves: PrimitiveId::NONE }
+        Ray { origin, direction, t_max: f32::INFINITY, leaves: PrimitiveId::NONE, arrives: PrimitiveId::NONE }
     }
 
     /// The segment from `origin` to `origin + direction`, both ends excluded.

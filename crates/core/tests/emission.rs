@@ -25,7 +25,13 @@ const CYLINDER: Cylinder =
 const TRIANGLE: [Vec3; 3] = [Vec3::new(-1.0, 2.0, -1.0), Vec3::new(1.5, 2.0, -0.5), Vec3::new(0.2, 2.5, 1.5)];
 
 fn area(shape: AreaShape) -> Lights {
-    Lights::build(vec![AreaLight { shape, emission: Rgb::WHITE.into() }], vec![], None, WORLD, LightChoice::Power)
+    Lights::build(
+        vec![AreaLight { shape, emission: Rgb::WHITE.into(), primitive: u32::MAX }],
+        vec![],
+        None,
+        WORLD,
+        LightChoice::Power,
+    )
 }
 
 fn delta(light: DeltaLight) -> Lights {
@@ -101,8 +107,10 @@ fn the_mean_weight_is_the_flux() {
 #[test]
 fn the_weights_of_all_lights_add_up() {
     let shapes = [AreaShape::Sphere(SPHERE), AreaShape::Disk(DISK), AreaShape::Triangle(TRIANGLE)];
-    let shapes: Vec<_> =
-        shapes.iter().map(|&shape| AreaLight { shape, emission: Rgb::new(1.0, 0.2, 3.0).into() }).collect();
+    let shapes: Vec<_> = shapes
+        .iter()
+        .map(|&shape| AreaLight { shape, emission: Rgb::new(1.0, 0.2, 3.0).into(), primitive: u32::MAX })
+        .collect();
     let points = vec![spot(0.3, 0.9), DeltaLight::Directional { direction: DVec3::Y, irradiance: Rgb::splat(0.1) }];
     let mut expected = 0.0;
     let (mut random, n) = (Random::new(32), 400_000);

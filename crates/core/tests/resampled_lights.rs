@@ -20,7 +20,8 @@ fn lights() -> Lights {
     let ball = AreaShape::Sphere(Sphere { center: Vec3::new(0.0, 2.0, 1.0), radius: 0.5, inverted: false });
     let disk = AreaShape::Disk(Disk { center: Vec3::new(1.0, 3.0, 0.0), normal: Vec3::NEG_Y, radius: 0.8 });
     let area = [(ball, Rgb::new(8.0, 1.0, 0.0)), (disk, Rgb::new(0.0, 2.0, 5.0))];
-    let area = area.map(|(shape, radiance)| AreaLight { shape, emission: radiance.into() }).to_vec();
+    let area =
+        area.map(|(shape, radiance)| AreaLight { shape, emission: radiance.into(), primitive: u32::MAX }).to_vec();
     let point = DeltaLight::Point { position: glam::DVec3::new(-1.0, 1.0, 1.0), intensity: Rgb::new(1.0, 2.0, 0.5) };
     Lights::build(area, vec![point], Some(Environment::Constant(Rgb::splat(0.3))), WORLD, LightChoice::Power)
 }

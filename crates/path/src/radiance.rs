@@ -2,7 +2,7 @@
 
 use etendue_core::{
     bsdf::TransportMode,
-    direct_light::{arriving, emitted, escaped, light_ray, light_weight, next_event, sampled_part},
+    direct_light::{LightEdge, arriving, emitted, escaped, light_ray, light_weight, next_event, sampled_part},
     filter::Filter,
     has,
     rgb::Rgb,
@@ -41,14 +41,18 @@ pub fn pixel_sample<const HAS: u32, const RESAMPLED: bool>(
                 if let Some(element) = scene.element(&vertex.surface) {
                     sum += emitted::<HAS>(scene, settings.parts, light_samples, &vertex, element);
                 }
-                if !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
-                    sum += if RESAMPLED {
-                        resampled_next_event::<HAS>(scene, settings, candidates, &vertex, sampler, rays)
-                    } else {
-                        next_event::<HAS>(scene, settings.parts, &vertex, sampler, rays)
-                    };
+                let light = if walk.is_exhausted() || HAS & has::LOBES != 0 && vertex.bsdf.is_delta() {
+                    None
+                } else if RESAMPLED {
+                    resampled_next_event::<HAS>(scene, settings, candidates, &vertex, sampler)
+                } else {
+                    next_event::<HAS>(scene, settings.parts, &vertex, sampler)
+                };
+                let goes_on = walk.scatter(&vertex, sampler);
+                if let Some(light) = light {
+                    sum += light.arriving::<HAS>(scene, rays);
                 }
-                if !walk.scatter(&vertex, sampler) {
+                if !goes_on {
                     return sum;
                 }
             }
@@ -66,8 +70,7 @@ fn resampled_next_event<const HAS: u32>(
     candidates: u32,
     vertex: &SurfaceVertex,
     sampler: &mut dyn Sampler,
-    rays: &mut Rays,
-) -> Rgb {
+) -> Option<LightEdge> {
     let numbers = (
         sampler.get_1d(vertex.depth, Purpose::LightChoice),
         sampler.get_2d(vertex.depth, Purpose::LightPoint),
@@ -77,14 +80,8 @@ fn resampled_next_event<const HAS: u32>(
         let (f_cos, bsdf_pdf) = vertex.eval_pdf::<HAS>(light.wi, TransportMode::Radiance);
         f_cos * arriving::<HAS>(scene, vertex, light) * light_weight(light, candidates as f32, bsdf_pdf)
     });
-    let Some((light, value)) = kept else { return Rgb::BLACK };
+    let (light, value) = kept?;
     // Asked only now, so that the choice is the same whichever parts are rendered.
-    if !settings.parts.contains(sampled_part(vertex.history, &light)) {
-        return Rgb::BLACK;
-    }
-    rays.shadow += 1;
-    if scene.occluded::<HAS>(&light_ray(vertex, &light)) {
-        return Rgb::BLACK;
-    }
-    vertex.beta * value
+    (settings.parts.contains(sampled_part(vertex.history, &light)))
+        .then(|| LightEdge { ray: light_ray(vertex, &light), value: vertex.beta * value })
 }

@@ -150,7 +150,8 @@ impl Eye<'_> {
                     };
                     sum += vertex.beta * look.reflected;
                     if look.direct && !walk.is_exhausted() && (HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()) {
-                        sum += next_event::<HAS>(scene, settings.parts, &vertex, sampler, rays);
+                        sum += next_event::<HAS>(scene, settings.parts, &vertex, sampler)
+                            .map_or(Rgb::BLACK, |light| light.arriving::<HAS>(scene, rays));
                     }
                     if look.ends && (HAS & has::LOBES == 0 || !vertex.bsdf.has_delta()) {
                         return sum;

@@ -122,6 +122,16 @@ pub enum Shape {
     Cylinder(Cylinder, Axes),
 }
 
+impl Shape {
+    /// Number of primitives: those of several shapes are counted one after another.
+    pub fn primitive_count(&self) -> u32 {
+        match self {
+            Shape::Mesh(mesh) => mesh.triangles.len() as u32,
+            Shape::Sphere(..) | Shape::Disk(..) | Shape::Cylinder(..) => 1,
+        }
+    }
+}
+
 impl From<Mesh> for Shape {
     fn from(mesh: Mesh) -> Shape {
         Shape::Mesh(mesh)

@@ -6,7 +6,7 @@
 //! scale of a scene.
 
 use super::Surface;
-use crate::ray::Ray;
+use crate::ray::{PrimitiveId, Ray};
 use glam::Vec3;
 
 /// Unit roundoff of `f32`.
@@ -51,13 +51,19 @@ pub fn spawn_ray(surface: &Surface, direction: Vec3) -> Ray {
 /// Both ends are moved off their surfaces, towards each other; an occluder in between, and only that, is hit in (0, 1).
 /// Where the two points coincide the direction is zero: such a ray hits nothing.
 #[inline]
-pub fn shadow_ray(surface: &Surface, target: Vec3, target_error: Vec3, target_normal: Vec3) -> Ray {
+pub fn shadow_ray(
+    surface: &Surface,
+    target: Vec3,
+    target_error: Vec3,
+    target_normal: Vec3,
+    target_id: PrimitiveId,
+) -> Ray {
     let origin = offset_origin(surface.p, surface.p_error, surface.ng, target - surface.p);
     let back = origin - target;
     // The direction is rounded, hence the far end is where `t = 1` says only within a multiple of the ray's length.
     let slack = Vec3::splat(gamma(8) * back.abs().max_element());
     let end = offset_origin(target, target_error + slack, target_normal, back);
-    Ray { leaves: surface.id, ..Ray::segment(origin, end - origin) }
+    Ray { leaves: surface.id, arrives: target_id, ..Ray::segment(origin, end - origin) }
 }
 
 /// The ray from a surface to a point in free space (a point light, a pinhole), with `t_max = 1` at that point.

@@ -18,6 +18,8 @@ pub struct AreaLight {
     pub shape: AreaShape,
     /// Emitted radiance.
     pub emission: Emission,
+    /// Which primitive of the geometry's top level it is; `u32::MAX`: none.
+    pub primitive: u32,
 }
 
 /// Radiance over a shape.
@@ -84,6 +86,8 @@ pub(super) struct Emitter {
     pub area: f32,
     /// Unit normal of a triangle.
     normal: Vec3,
+    /// Which primitive of the geometry's top level it is; `u32::MAX`: none.
+    pub primitive: u32,
     /// Index of the [`super::textured::Textured`] that it emits by, or [`PLAIN`].
     pub texture: u32,
 }
@@ -93,7 +97,7 @@ pub(super) const PLAIN: u32 = u32::MAX;
 
 impl Emitter {
     /// An emitter of the same radiance everywhere.
-    pub fn new(shape: AreaShape, radiance: Rgb) -> Emitter {
+    pub fn new(shape: AreaShape, radiance: Rgb, primitive: u32) -> Emitter {
         let (area, normal) = match shape {
             AreaShape::Triangle([p0, p1, p2]) => {
                 let n = (p1.as_dvec3() - p0.as_dvec3()).cross(p2.as_dvec3() - p0.as_dvec3());
@@ -103,7 +107,7 @@ impl Emitter {
             AreaShape::Disk(d) => (f64::from(d.radius).powi(2) * PI, d.normal),
             AreaShape::Cylinder(c) => (c.axis.as_dvec3().length() * f64::from(c.radius) * 2.0 * PI, Vec3::ZERO),
         };
-        Emitter { shape, radiance, area: area as f32, normal, texture: PLAIN }
+        Emitter { shape, radiance, area: area as f32, normal, primitive, texture: PLAIN }
     }
 
     /// Flux in watts, by luminance.

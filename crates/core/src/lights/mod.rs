@@ -18,7 +18,10 @@ pub use area::{AreaLight, AreaShape, Emission};
 pub use emission::{EmissionDensity, EmissionSample};
 pub use textured::Coordinates;
 
-use crate::{distribution::AliasTable, geometry::Surface, has, rgb::Rgb, scene::DeltaLight, texture::TexturePoint};
+use crate::{
+    distribution::AliasTable, geometry::Surface, has, ray::PrimitiveId, rgb::Rgb, scene::DeltaLight,
+    texture::TexturePoint,
+};
 use area::{AreaPoint, Emitter, PLAIN};
 use delta::Delta;
 use environment::Environment;
@@ -80,6 +83,8 @@ pub struct DirectSample {
     pub target_error: Vec3,
     /// Unit normal at `target` on the side that emits; zero for a light without a surface.
     pub target_normal: Vec3,
+    /// What `target` lies on, for a shadow ray.
+    pub target_id: PrimitiveId,
     /// The light.
     pub element: u32,
 }
@@ -190,6 +195,7 @@ impl Lights {
                     target: d.point.p,
                     target_error: d.point.p_error,
                     target_normal: d.point.normal,
+                    target_id: PrimitiveId { primitive: light.primitive, ..PrimitiveId::NONE },
                     element,
                 }
             }
@@ -234,6 +240,7 @@ impl Lights {
             target: position,
             target_error: Vec3::ZERO,
             target_normal: Vec3::ZERO,
+            target_id: PrimitiveId::NONE,
             element,
         })
     }
@@ -251,6 +258,7 @@ impl Lights {
             target,
             target_error: Vec3::ZERO,
             target_normal: Vec3::ZERO,
+            target_id: PrimitiveId::NONE,
             element,
         }
     }
@@ -324,14 +332,14 @@ impl Lights {
 fn emitters(area: Vec<AreaLight>) -> (Vec<Emitter>, Vec<Textured>) {
     let mut textures: Vec<Textured> = Vec::new();
     let mut overall = Rgb::BLACK;
-    let emitters = area.into_iter().map(|AreaLight { shape, emission }| match emission {
-        Emission::Constant(radiance) => Emitter::new(shape, radiance),
+    let emitters = area.into_iter().map(|AreaLight { shape, emission, primitive }| match emission {
+        Emission::Constant(radiance) => Emitter::new(shape, radiance, primitive),
         Emission::Textured { texture, coordinates } => {
             // The elements of an object follow each other: the mean of its texture is taken once.
             if textures.last().is_none_or(|last| !Arc::ptr_eq(&last.texture, &texture)) {
                 overall = overall_mean(&texture);
             }
-            let mut emitter = Emitter::new(shape, Rgb::BLACK);
+            let mut emitter = Emitter::new(shape, Rgb::BLACK, primitive);
             let textured = Textured::new(texture, coordinates);
             emitter.radiance = textured.mean(&emitter, overall);
             emitter.texture = textures.len() as u32;

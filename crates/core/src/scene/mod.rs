@@ -328,16 +328,18 @@ fn recentre(light: DeltaLight, middle: DVec3) -> DeltaLight {
 fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>, Vec<AreaLight>) {
     let mut area = Vec::new();
     let mut infos = Vec::with_capacity(shapes.len());
+    let mut first_primitive = 0;
     for (object, shape) in description.objects.iter().zip(shapes) {
         let first_element = match &object.emission {
             None | Some(Texture::Constant(Rgb::BLACK)) => NO_LIGHT,
             Some(texture) => {
                 let first = area.len() as u32;
-                push_emitters(texture, shape, &mut area);
+                push_emitters(texture, shape, first_primitive, &mut area);
                 first
             }
         };
         infos.push(ShapeInfo { material: object.material as u32, first_element, absorption: object.absorption });
+        first_primitive += shape.primitive_count();
     }
     let grouped = description.groups.iter().flat_map(|g| &g.objects);
     infos.extend(grouped.map(|o| ShapeInfo {
@@ -348,16 +350,20 @@ fn emitters(description: &SceneDescription, shapes: &[Shape]) -> (Vec<ShapeInfo>
     (infos, area)
 }
 
-/// The elements of an emissive shape.
-fn push_emitters(texture: &Texture<Rgb>, shape: &Shape, area: &mut Vec<AreaLight>) {
+/// The elements of an emissive shape, counted from a first primitive on.
+fn push_emitters(texture: &Texture<Rgb>, shape: &Shape, first_primitive: u32, area: &mut Vec<AreaLight>) {
     let shared = Arc::new(texture.clone());
     let emission = |coordinates| match texture {
         Texture::Constant(radiance) => Emission::Constant(*radiance),
         _ => Emission::Textured { texture: shared.clone(), coordinates },
     };
-    let curved = |shape, axes: &Axes| AreaLight { shape, emission: emission(Coordinates::Curved(*axes)) };
+    let curved = |shape, axes: &Axes| AreaLight {
+        shape,
+        emission: emission(Coordinates::Curved(*axes)),
+        primitive: first_primitive,
+    };
     match shape {
-        Shape::Mesh(mesh) => area.extend(mesh.triangles.iter().map(|t| {
+        Shape::Mesh(mesh) => area.extend((first_primitive..).zip(&mesh.triangles).map(|(primitive, t)| {
             let vertices = t.map(|v| v as usize);
             AreaLight {
                 shape: AreaShape::Triangle(vertices.map(|v| mesh.positions[v])),
@@ -369,6 +375,7 @@ fn push_emitters(texture: &Texture<Rgb>, shape: &Shape, area: &mut Vec<AreaLight
                     },
                     colors: vertices.map(|v| mesh.colors.get(v).copied().unwrap_or(Rgb::WHITE)),
                 }),
+                primitive,
             }
         })),
         Shape::Sphere(sphere, axes) => area.push(curved(AreaShape::Sphere(*sphere), axes)),

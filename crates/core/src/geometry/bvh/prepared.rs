@@ -1,7 +1,10 @@
 //! The tests of boxes and triangles against a ray that has been prepared for them.
 
 use super::node::{LANES, Node, Pack, WIDTH};
-use crate::{geometry::offset::ROUNDOFF, ray::Ray};
+use crate::{
+    geometry::offset::ROUNDOFF,
+    ray::{PrimitiveId, Ray},
+};
 use glam::{Vec3, Vec4};
 
 /// Factor on far distances; twice the 14 units roundoff that the test of a triangle may move what it tests, and room for
@@ -29,6 +32,8 @@ pub(in crate::geometry) struct Prepared {
     t_max: f32,
     /// The triangle that the ray starts on.
     leaves: u32,
+    /// That on which it ends.
+    arrives: u32,
 }
 
 impl Prepared {
@@ -54,7 +59,8 @@ impl Prepared {
             axes: [x, y, z],
             shear: [d[x] * scale, d[y] * scale, scale],
             t_max: ray.t_max,
-            leaves: if ray.leaves.instance == instance { ray.leaves.primitive } else { u32::MAX },
+            leaves: within(ray.leaves, instance),
+            arrives: within(ray.arrives, instance),
         }
     }
 
@@ -115,9 +121,9 @@ impl Prepared {
     }
 
     /// Where the ray meets the triangles that [`Prepared::edges`] leaves, as far as single precision decides it; `nearest`
-    /// is the best hit so far.
+    /// is the best hit so far. `ANY`: the ray has an end, where it may arrive at a triangle.
     #[inline(always)]
-    pub fn distances(&self, pack: &Pack, edges: &Edges, nearest: f32) -> Distances {
+    pub fn distances<const ANY: bool>(&self, pack: &Pack, edges: &Edges, nearest: f32) -> Distances {
         let [u, v, w] = edges.weights;
         let scale = Vec4::splat(self.shear[2]);
         let [a, b, c] = edges.depths;
@@ -134,16 +140,12 @@ impl Prepared {
         let inside = eu.cmpne(zero) & ev.cmpne(zero) & ew.cmpne(zero);
         let sure = inside & least.cmpgt(zero) & (most * STRETCH).cmplt(Vec4::splat(self.t_max));
         let beyond = least.cmpgt(Vec4::splat(nearest)) | most.cmple(zero);
-        let lanes = edges.lanes & !beyond.bitmask() & !self.starts_on(pack);
+        let ends =
+            if ANY { pack.lanes_of(self.leaves) | pack.lanes_of(self.arrives) } else { pack.lanes_of(self.leaves) };
+        let lanes = edges.lanes & !beyond.bitmask() & !ends;
         let sure = lanes & sure.bitmask();
         let near = t.cmple(Vec4::splat(nearest)).bitmask();
         Distances { hit: sure & near, doubtful: lanes & !sure, t: t.to_array(), v: v.to_array(), w: w.to_array() }
-    }
-
-    /// The triangle of a pack that the ray starts on.
-    #[inline(always)]
-    fn starts_on(&self, pack: &Pack) -> u32 {
-        pack.primitives.iter().enumerate().fold(0, |lanes, (i, p)| lanes | u32::from(*p == self.leaves) << i)
     }
 
     /// Decides about a triangle that [`Prepared::distances`] leaves in doubt: (t, u, v) of a hit in (0, t_max).
@@ -234,6 +236,12 @@ fn inverse(d: f32) -> f32 {
     const MOST: f32 = 1e37;
     let inverse = 1.0 / d;
     max(min(inverse, MOST), -MOST)
+}
+
+/// The number of a primitive if it is seen through `instance`.
+#[inline(always)]
+fn within(id: PrimitiveId, instance: u32) -> u32 {
+    if id.instance == instance { id.primitive } else { u32::MAX }
 }
 
 /// 1 for a negative number, -0.0 included, else 0.

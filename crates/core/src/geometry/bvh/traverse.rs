@@ -170,7 +170,7 @@ impl Bvh {
         if edges.lanes == 0 {
             return false;
         }
-        let distances = ray.distances(pack, &edges, best.hit.t);
+        let distances = ray.distances::<ANY>(pack, &edges, best.hit.t);
         if ANY && distances.hit != 0 {
             return true;
         }
