@@ -3,7 +3,7 @@
 
 use etendue_bidir::{
     densities::{Departure, Joint, camera_pdf_a, direct_end, emitted_end, escaped_end, hit_end},
-    weights::{Heuristic, Prefix},
+    weights::{DIRECT_SPLATS, Heuristic, Prefix},
 };
 use etendue_core::{
     bsdf::TransportMode,
@@ -279,7 +279,9 @@ impl<'a> Retraced<'a> {
                     _ => emitted,
                 };
                 let rest = (0..n).map(|i| if i + 1 < s { light[i] } else { camera[i] }).product::<f64>();
-                if joined { first * rest } else { 0.0 }
+                // Direct light that is splatted.
+                let counts = if (n, s) == (1, 2) { DIRECT_SPLATS } else { 1.0 };
+                if joined { first * rest * counts } else { 0.0 }
             })
             .collect()
     }
@@ -343,7 +345,8 @@ impl<'a> Retraced<'a> {
                         }
                         OriginKind::Point | OriginKind::Directional => return 0.0,
                     };
-                    h.hit(&end, departure.pdf_w, departure.delta, departure.left)
+                    let left = if n == 1 { h.direct(departure.left) } else { departure.left };
+                    h.hit(&end, departure.pdf_w, departure.delta, left)
                 }
                 1 if !self.is_delta(0) => {
                     let first = &self.from_camera[0];
@@ -351,12 +354,14 @@ impl<'a> Retraced<'a> {
                     let end = direct_end(lights, &self.direct(), first);
                     let pdf_w = first.eval_pdf::<ALL>(wi, TransportMode::Radiance).1;
                     let reverse = first.pdf_reverse::<ALL>(wi, TransportMode::Radiance);
-                    h.next_event(&end, f64::from(pdf_w), z[0].leave(h, f64::from(reverse), false))
+                    let left = z[0].leave(h, f64::from(reverse), false);
+                    h.next_event(&end, f64::from(pdf_w), if n == 1 { h.direct(left) } else { left })
                 }
                 s if s == n + 1 && !self.is_delta(n - 1) => {
                     let vertex = &self.from_light[n - 1];
                     let reverse = vertex.pdf_reverse::<ALL>(camera.wi, TransportMode::Importance);
                     let found = camera_pdf_a(Some(&camera), self.pixels as f32, camera.wi, vertex.surface.ng);
+                    let found = if n == 1 { found / DIRECT_SPLATS } else { found };
                     h.joined(h.term(found) * y[n - 1].leave(h, f64::from(reverse), false))
                 }
                 s if (2..=n).contains(&s) && !self.is_delta(s - 2) && !self.is_delta(s - 1) => {

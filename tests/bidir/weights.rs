@@ -155,7 +155,7 @@ impl Tally {
 
 fn check(name: &str, run: &Run, projection: Projection, heuristic: Heuristic, passes: u32) {
     let pixels = run.resolution.x * run.resolution.y;
-    let mut paths = Paths::new(&run.scene, &run.settings, heuristic, run.filter, pixels);
+    let mut paths = Paths::new(&run.scene, &run.settings, heuristic, run.filter, pixels.into());
     let mut sampler = independent(77, 0);
     let mut tally = Tally::default();
     for index in 0..pixels * passes {

@@ -1,7 +1,7 @@
 //! Bidirectional path tracing.
 
 use crate::{
-    particle::particles,
+    particle::pixels,
     strategies::{Event, Paths},
     weights::Heuristic,
 };
@@ -23,15 +23,27 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
     bias: Bias::Unbiased,
     covers: Parts::ALL,
     blind_spots: "point, spot and directional lights, and caustics that they make, seen through mirrors or glass",
-    knobs: &[Knob {
-        name: "heuristic",
-        summary: "how strategies share a path: 0 balance, 1 power, 2 maximum",
-        range: (0.0, 2.0),
-        default: 1.0,
-    }],
+    knobs: &[
+        Knob {
+            name: "heuristic",
+            summary: "how strategies share a path: 0 balance, 1 power, 2 maximum",
+            range: (0.0, 2.0),
+            default: 1.0,
+        },
+        Knob {
+            name: "particles",
+            summary: "paths from lights for each from the camera; 0: two where anything may cast a caustic, else one",
+            range: (0.0, 64.0),
+            default: 0.0,
+        },
+    ],
     build: |scene, settings, knobs| {
         let heuristic = Heuristic::ALL[(knobs[0].round() as usize).min(2)];
-        Box::new(Bidirectional::new(scene, settings, heuristic))
+        let particles = match knobs[1].round() as u32 {
+            0 => 1 + u32::from(scene.census().casters > 0),
+            particles => particles,
+        };
+        Box::new(Bidirectional::new(scene, settings, heuristic, particles))
     },
 };
 
@@ -44,14 +56,16 @@ pub struct Bidirectional {
     scene: Arc<Scene>,
     settings: Settings,
     heuristic: Heuristic,
+    particles: u32,
     statistics: RenderStatistics,
 }
 
 impl Bidirectional {
-    /// A bidirectional path tracer for a scene; nothing is built.
-    pub fn new(scene: Arc<Scene>, settings: Settings, heuristic: Heuristic) -> Bidirectional {
+    /// A bidirectional path tracer for a scene; nothing is built. For each path from the camera there are `particles` from
+    /// lights, at least one: it is connected to one of them, and all are seen by the camera.
+    pub fn new(scene: Arc<Scene>, settings: Settings, heuristic: Heuristic, particles: u32) -> Bidirectional {
         let statistics = RenderStatistics { memory_bytes: scene.memory_bytes(), ..RenderStatistics::default() };
-        Bidirectional { scene, settings, heuristic, statistics }
+        Bidirectional { scene, settings, heuristic, particles: particles.max(1), statistics }
     }
 }
 
@@ -59,27 +73,35 @@ impl Technique for Bidirectional {
     fn pass(&mut self, seed: u64, pass: u32, film: &mut Film) {
         let start = Instant::now();
         let (scene, settings, heuristic) = (&*self.scene, &self.settings, self.heuristic);
-        let (width, filter, pixels) = (film.resolution().x, film.filter(), particles(film));
+        let (width, filter, pixels) = (film.resolution().x, film.filter(), pixels(film));
+        let per_pixel = self.particles;
         let counted = specialise_coarsely!(scene.has(), HAS => film.add_splat_pass(
             BIDIR.name,
             pass,
             0,
             || {
                 let sampler = (settings.sampler)(seed, settings.planned_passes);
-                (sampler, Paths::new(scene, settings, heuristic, filter, pixels).testing(CONNECTIONS))
+                (sampler, Paths::new(scene, settings, heuristic, filter, u64::from(pixels) * u64::from(per_pixel)).testing(CONNECTIONS))
             },
             |_, _, _, _| {},
             |(sampler, paths), pixel, splats, statistics| {
-                sampler.start_sample(pixel.y * width + pixel.x, pass);
+                let index = pixel.y * width + pixel.x;
                 let mut rays = statistics.rays;
                 let mut sum = Rgb::BLACK;
-                paths.sample::<HAS>(pixel, &mut **sampler, &mut rays, &mut |event| {
+                let mut add = |event: Event<'_>| {
                     let Event::Contribution(c) = event else { return };
                     match c.film {
                         Some(position) => splats.splat(statistics, position, c.value * c.weight),
                         None => sum += c.value * c.weight,
                     }
-                });
+                };
+                for more in 1..per_pixel {
+                    // As if it belonged to another pixel.
+                    sampler.start_sample(index.wrapping_add(more.wrapping_mul(pixels)), pass);
+                    paths.particle::<HAS>(&mut **sampler, &mut rays, &mut add);
+                }
+                sampler.start_sample(index, pass);
+                paths.sample::<HAS>(pixel, &mut **sampler, &mut rays, &mut add);
                 statistics.rays = rays;
                 sum
             },

@@ -1,6 +1,6 @@
 //! Light tracing.
 
-use crate::particle::{Particle, connects, particles, see};
+use crate::particle::{Particle, connects, pixels, see};
 use etendue_core::{
     film::{Film, Splats},
     filter::Filter,
@@ -53,7 +53,7 @@ impl Technique for LightTracer {
         let (scene, settings) = (&*self.scene, &self.settings);
         let (width, filter) = (film.resolution().x, film.filter());
         let scattered = Part::ALL.into_iter().any(|part| part != Part::Emission && settings.parts.contains(part));
-        let paths = if scattered { particles(film) } else { 0 };
+        let paths = if scattered { pixels(film) } else { 0 };
         let counted = specialise_coarsely!(scene.has(), HAS => film.add_splat_pass(
             LIGHT.name,
             pass,
@@ -100,9 +100,12 @@ fn follow<const HAS: u32>(
     while let Some(vertex) = particle.trace(&mut statistics.rays) {
         if connects::<HAS>(&vertex)
             && settings.parts.contains(particle.part(&vertex, 0))
-            && let Some(seen) = see::<HAS>(scene, &vertex, particles, margin, sampler, &mut statistics.rays)
+            && let Some(seen) = see::<HAS>(scene, &vertex, particles, margin, sampler)
         {
-            splats.splat(statistics, seen.camera.film, seen.value);
+            statistics.rays.shadow += 1;
+            if !scene.occluded::<HAS>(&seen.ray) {
+                splats.splat(statistics, seen.camera.film, seen.value);
+            }
         }
         if !particle.walk.scatter(&vertex, sampler) {
             return;

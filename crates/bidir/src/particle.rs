@@ -34,12 +34,12 @@ pub struct Particle<'a, const HAS: u32> {
 pub struct Seen {
     /// The connection.
     pub camera: CameraSample,
-    /// The vertex's `f |cos|` towards the camera.
-    pub f_cos: Rgb,
     /// Density per steradian with which the particle would go on to the lens.
     pub pdf_w: f32,
-    /// What to splat, unweighted.
+    /// What to splat if nothing lies between, unweighted.
     pub value: Rgb,
+    /// From the vertex to the lens.
+    pub ray: Ray,
 }
 
 impl<'a, const HAS: u32> Particle<'a, HAS> {
@@ -107,8 +107,8 @@ pub fn connects<const HAS: u32>(vertex: &SurfaceVertex) -> bool {
     HAS & has::LOBES == 0 || !vertex.bsdf.is_delta()
 }
 
-/// Connects a vertex that a particle has reached to the camera: `None` where the film gets nothing. `particles` is the number
-/// of particles of the pass, `margin` how many pixels the filter reaches beyond the film.
+/// Connects a vertex that a particle has reached to the camera: `None` where the film gets nothing, whatever lies between.
+/// `particles` is the number of particles of the pass, `margin` how many pixels the filter reaches beyond the film.
 #[inline]
 pub fn see<const HAS: u32>(
     scene: &Scene,
@@ -116,7 +116,6 @@ pub fn see<const HAS: u32>(
     particles: f32,
     margin: f32,
     sampler: &mut dyn Sampler,
-    rays: &mut Rays,
 ) -> Option<Seen> {
     let lens = if scene.census().lens { sampler.get_2d(vertex.depth, Purpose::CameraConnection) } else { Vec2::ZERO };
     let camera = scene.camera().sample_direct(vertex.surface.p, lens)?;
@@ -127,18 +126,14 @@ pub fn see<const HAS: u32>(
     if f_cos.is_black() {
         return None;
     }
-    rays.shadow += 1;
-    if scene.occluded::<HAS>(&shadow_ray_to_point(&vertex.surface, camera.target)) {
-        return None;
-    }
     let mut value = vertex.beta * f_cos * (camera.importance / (camera.pdf_w * particles));
     if HAS & has::MEDIA != 0 {
         value *= vertex.transmittance::<HAS>(scene, camera.wi, camera.target.distance(vertex.surface.p));
     }
-    Some(Seen { camera, f_cos, pdf_w, value })
+    Some(Seen { camera, pdf_w, value, ray: shadow_ray_to_point(&vertex.surface, camera.target) })
 }
 
-/// One particle a pixel.
-pub fn particles(film: &Film) -> u32 {
+/// Number of pixels: of particles, where there is one for each.
+pub fn pixels(film: &Film) -> u32 {
     film.resolution().x * film.resolution().y
 }

@@ -4,7 +4,7 @@ use crate::{
     connections::{Connection, choose},
     densities::{Departure, Joint, camera_pdf_a, direct_end, emitted_end, escaped_end, hit_end},
     particle::{Particle, connects, part, see},
-    weights::{Heuristic, Prefix},
+    weights::{DIRECT_SPLATS, Heuristic, LightEnd, Prefix},
 };
 use etendue_core::{
     bsdf::TransportMode,
@@ -80,6 +80,7 @@ pub struct Paths<'a> {
     settings: &'a Settings,
     heuristic: Heuristic,
     filter: Filter,
+    /// Walks from lights in a pass, all pixels together.
     particles: f32,
     light: Vec<LightVertex>,
     connections: Vec<Connection>,
@@ -88,21 +89,21 @@ pub struct Paths<'a> {
 }
 
 impl<'a> Paths<'a> {
-    /// For a film of `pixels` pixels, each of which gets one pair of paths a pass.
+    /// For so many walks from lights a pass, all pixels together: one for each, if [`Paths::particle`] makes no more.
     pub fn new(
         scene: &'a Scene,
         settings: &'a Settings,
         heuristic: Heuristic,
         filter: Filter,
-        pixels: u32,
+        particles: u64,
     ) -> Paths<'a> {
         let (light, connections) = (Vec::new(), Vec::new());
-        Paths { scene, settings, heuristic, filter, particles: pixels as f32, light, connections, tests: None }
+        Paths { scene, settings, heuristic, filter, particles: particles as f32, light, connections, tests: None }
     }
 
     /// Tests no more than about so many of a pair's connections for what lies between: each with a probability in proportion
-    /// to its weighted contribution, by which it is divided. Without it every connection is tested, which is for whoever looks
-    /// at strategies without their weights.
+    /// to its weighted contribution, by which it is divided; splats of direct light by their weight. Without it every connection
+    /// is tested, which is for whoever looks at strategies without their weights.
     #[must_use]
     pub fn testing(self, connections: f32) -> Paths<'a> {
         Paths { tests: Some(connections), ..self }
@@ -118,10 +119,21 @@ impl<'a> Paths<'a> {
         rays: &mut Rays,
         tell: &mut impl FnMut(Event<'_>),
     ) {
-        self.walk_from_light::<HAS>(sampler, rays, tell);
+        self.walk_from_light::<HAS, true>(sampler, rays, tell);
         self.connections.clear();
         self.walk_from_camera::<HAS>(pixel, sampler, rays, tell);
         self.test_connections::<HAS>(sampler, rays, tell);
+    }
+
+    /// Walks one more path from a light, of which no vertex is connected but to the lens.
+    #[inline]
+    pub fn particle<const HAS: u32>(
+        &mut self,
+        sampler: &mut dyn Sampler,
+        rays: &mut Rays,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        self.walk_from_light::<HAS, false>(sampler, rays, tell);
     }
 
     /// Tests the connections, or a choice of them, for what lies between.
@@ -158,9 +170,10 @@ impl<'a> Paths<'a> {
         tell(Event::Contribution(Contribution { s, t, part, value, weight, film: None, light: None, lens: None }));
     }
 
-    /// Walks from a light, remembers the vertices that can be connected, and connects each to the lens (`t = 1`).
+    /// Walks from a light, remembers the vertices that can be connected if they are to be kept, and connects each to the lens
+    /// (`t = 1`).
     #[inline]
-    fn walk_from_light<const HAS: u32>(
+    fn walk_from_light<const HAS: u32, const KEPT: bool>(
         &mut self,
         sampler: &mut dyn Sampler,
         rays: &mut Rays,
@@ -182,7 +195,9 @@ impl<'a> Paths<'a> {
                 if settings.parts.contains(part) {
                     self.see::<HAS>(&vertex, &prefix, part, sampler, rays, tell);
                 }
-                self.light.push(LightVertex { part: particle.part(&vertex, 1), vertex, prefix });
+                if KEPT {
+                    self.light.push(LightVertex { part: particle.part(&vertex, 1), vertex, prefix });
+                }
             }
             let Some(step) = particle.walk.go_on(&vertex, sampler) else { return };
             tell(Event::Step(Side::Light, &step));
@@ -203,16 +218,30 @@ impl<'a> Paths<'a> {
         tell: &mut impl FnMut(Event<'_>),
     ) {
         let margin = self.filter.radius();
-        let Some(seen) = see::<HAS>(self.scene, vertex, self.particles, margin, sampler, rays) else { return };
-        let (camera, h) = (&seen.camera, self.heuristic);
+        let Some(seen) = see::<HAS>(self.scene, vertex, self.particles, margin, sampler) else { return };
+        let (camera, h, direct) = (&seen.camera, self.heuristic, vertex.depth == 1);
         let reverse = vertex.pdf_reverse::<HAS>(camera.wi, TransportMode::Importance);
         let found = camera_pdf_a(Some(camera), self.particles, camera.wi, vertex.surface.ng);
+        let found = if direct { found / DIRECT_SPLATS } else { found };
         let weight = h.joined(h.term(found) * prefix.leave(h, f64::from(reverse), false));
+        let mut value = seen.value;
+        if direct && self.tests.is_some() {
+            // Mostly of a weight that is not worth a ray.
+            let survival = (weight / DIRECT_SPLATS).min(1.0) as f32;
+            if sampler.get_1d(vertex.depth, Purpose::Connections) >= survival {
+                return;
+            }
+            value *= 1.0 / survival;
+        }
+        rays.shadow += 1;
+        if self.scene.occluded::<HAS>(&seen.ray) {
+            return;
+        }
         tell(Event::Contribution(Contribution {
             s: vertex.depth + 1,
             t: 1,
             part,
-            value: seen.value,
+            value,
             weight: weight as f32,
             film: Some(camera.film),
             light: None,
@@ -287,8 +316,7 @@ impl<'a> Paths<'a> {
             return;
         }
         let weight = before.map_or(1.0, |(_, departure, ng)| {
-            let end = hit_end(lights, element, vertex, *ng);
-            self.heuristic.hit(&end, departure.pdf_w, departure.delta, departure.left)
+            self.hit_weight(&hit_end(lights, element, vertex, *ng), departure, vertex.depth)
         });
         tell(Event::Contribution(Contribution {
             s: 0,
@@ -300,6 +328,13 @@ impl<'a> Paths<'a> {
             light: None,
             lens: None,
         }));
+    }
+
+    /// The weight of a path that has run into a light at a depth.
+    #[inline]
+    fn hit_weight(&self, end: &LightEnd, departure: &Departure, depth: u32) -> f64 {
+        let left = if depth == 2 { self.heuristic.direct(departure.left) } else { departure.left };
+        self.heuristic.hit(end, departure.pdf_w, departure.delta, left)
     }
 
     /// `s = 0`: the path leaves the scene for the environment.
@@ -319,8 +354,7 @@ impl<'a> Paths<'a> {
             return;
         }
         let weight = before.map_or(1.0, |(_, departure, ng)| {
-            let light = escaped_end(lights, element, end, *ng);
-            self.heuristic.hit(&light, departure.pdf_w, departure.delta, departure.left)
+            self.hit_weight(&escaped_end(lights, element, end, *ng), departure, depth)
         });
         tell(Event::Contribution(Contribution {
             s: 0,
@@ -372,6 +406,7 @@ impl<'a> Paths<'a> {
         }
         let reverse = vertex.pdf_reverse::<HAS>(light.wi, TransportMode::Radiance);
         let left = prefix.leave(heuristic, f64::from(reverse), false);
+        let left = if vertex.depth == 1 { heuristic.direct(left) } else { left };
         let weight = heuristic.next_event(&direct_end(scene.lights(), &light, vertex), f64::from(pdf_w), left);
         tell(Event::Contribution(Contribution {
             s: 1,

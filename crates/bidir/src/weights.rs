@@ -46,6 +46,14 @@ pub enum Heuristic {
 /// from strategy to strategy, or their weights would not sum to 1.
 const FAVOUR: f64 = 1.0 + 1.0 / 1024.0;
 
+/// Direct light that is splatted counts as if so small a part of the particles had been sent.
+///
+/// Weights by densities take the second moment of an estimate for its variance. Next-event estimation of direct light has hardly
+/// any variance, while particles land in a pixel as they happen to; at equal densities its share of the variance is a
+/// thirtieth or less in rooms with one lamp. Where it mostly asks lamps that do not shine there, splats still win.
+/// [Grittmann et al. 2019, "Variance-Aware Multiple Importance Sampling", for the observation]
+pub const DIRECT_SPLATS: f64 = 1.0 / 32.0;
+
 impl Heuristic {
     /// All of them.
     pub const ALL: [Heuristic; 3] = [Heuristic::Balance, Heuristic::Power, Heuristic::Maximum];
@@ -84,6 +92,13 @@ impl Heuristic {
             Heuristic::Balance | Heuristic::Power => 1.0,
             Heuristic::Maximum => FAVOUR,
         }
+    }
+
+    /// [`Prefix::leave`] of a walk's first surface from the camera, where the path goes to a light from there at once: the
+    /// strategy that is left is the splat of direct light.
+    #[inline]
+    pub fn direct(self, left: f64) -> f64 {
+        self.term(DIRECT_SPLATS) * left
     }
 
     /// The weight of a strategy, given the sum of the terms of all others relative to its own density.
