@@ -3,7 +3,8 @@
 
 use etendue_bidir::{
     densities::{Departure, Joint, camera_pdf_a, direct_end, emitted_end, escaped_end, hit_end},
-    weights::{DIRECT_SPLATS, Heuristic, Prefix},
+    splats::Splats,
+    weights::{Heuristic, Prefix},
 };
 use etendue_core::{
     bsdf::TransportMode,
@@ -71,6 +72,7 @@ pub struct Retraced<'a> {
     scene: &'a Scene,
     projection: Projection,
     pixels: f64,
+    caustic_particles: u32,
     path: &'a FullPath,
     /// As a walk from the light finds them, and as one from the camera does.
     from_light: Vec<SurfaceVertex>,
@@ -100,7 +102,13 @@ fn d2(a: Vec3, b: Vec3) -> f64 {
 
 impl<'a> Retraced<'a> {
     /// Traces a path again. `None` where a ray misses by rounding what it is aimed at.
-    pub fn new(scene: &'a Scene, projection: Projection, pixels: u32, path: &'a FullPath) -> Option<Retraced<'a>> {
+    pub fn new(
+        scene: &'a Scene,
+        projection: Projection,
+        pixels: u32,
+        caustic_particles: u32,
+        path: &'a FullPath,
+    ) -> Option<Retraced<'a>> {
         let points = &path.points;
         let origin = &path.origin;
         let mut from_light = Vec::new();
@@ -133,7 +141,15 @@ impl<'a> Retraced<'a> {
             };
             from_camera.push(trace(scene, TransportMode::Radiance, ray, from, &point.vertex)?);
         }
-        Some(Retraced { scene, projection, pixels: f64::from(pixels), path, from_light, from_camera })
+        Some(Retraced {
+            scene,
+            projection,
+            pixels: f64::from(pixels),
+            caustic_particles,
+            path,
+            from_light,
+            from_camera,
+        })
     }
 
     /// Edges.
@@ -248,6 +264,17 @@ impl<'a> Retraced<'a> {
         self.camera_pdf_w(i + 1) * arriving / d2(self.p(i), self.p(i + 1))
     }
 
+    /// Particles for each path from the camera, of the part of the light that the path belongs to.
+    fn splats(&self) -> f64 {
+        if self.is_delta(0) {
+            f64::from(self.caustic_particles)
+        } else if self.path.points.len() == 1 {
+            Splats::DIRECT
+        } else {
+            1.0
+        }
+    }
+
     fn is_delta(&self, i: usize) -> bool {
         self.path.points[i].delta.is_some()
     }
@@ -279,9 +306,8 @@ impl<'a> Retraced<'a> {
                     _ => emitted,
                 };
                 let rest = (0..n).map(|i| if i + 1 < s { light[i] } else { camera[i] }).product::<f64>();
-                // Direct light that is splatted.
-                let counts = if (n, s) == (1, 2) { DIRECT_SPLATS } else { 1.0 };
-                if joined { first * rest * counts } else { 0.0 }
+                let number = if s == n + 1 { self.splats() } else { 1.0 };
+                if joined { first * rest * number } else { 0.0 }
             })
             .collect()
     }
@@ -345,7 +371,7 @@ impl<'a> Retraced<'a> {
                         }
                         OriginKind::Point | OriginKind::Directional => return 0.0,
                     };
-                    let left = if n == 1 { h.direct(departure.left) } else { departure.left };
+                    let left = departure.left.with_splats(h, self.splats());
                     h.hit(&end, departure.pdf_w, departure.delta, left)
                 }
                 1 if !self.is_delta(0) => {
@@ -354,15 +380,15 @@ impl<'a> Retraced<'a> {
                     let end = direct_end(lights, &self.direct(), first);
                     let pdf_w = first.eval_pdf::<ALL>(wi, TransportMode::Radiance).1;
                     let reverse = first.pdf_reverse::<ALL>(wi, TransportMode::Radiance);
-                    let left = z[0].leave(h, f64::from(reverse), false);
-                    h.next_event(&end, f64::from(pdf_w), if n == 1 { h.direct(left) } else { left })
+                    let left = z[0].leave(h, f64::from(reverse), false).with_splats(h, self.splats());
+                    h.next_event(&end, f64::from(pdf_w), left)
                 }
                 s if s == n + 1 && !self.is_delta(n - 1) => {
                     let vertex = &self.from_light[n - 1];
                     let reverse = vertex.pdf_reverse::<ALL>(camera.wi, TransportMode::Importance);
                     let found = camera_pdf_a(Some(&camera), self.pixels as f32, camera.wi, vertex.surface.ng);
-                    let found = if n == 1 { found / DIRECT_SPLATS } else { found };
-                    h.joined(h.term(found) * y[n - 1].leave(h, f64::from(reverse), false))
+                    let left = y[n - 1].leave(h, f64::from(reverse), false).others;
+                    h.joined(h.term(found / self.splats()) * left)
                 }
                 s if (2..=n).contains(&s) && !self.is_delta(s - 2) && !self.is_delta(s - 1) => {
                     let (light, camera) = (&self.from_light[s - 2], &self.from_camera[s - 1]);
@@ -374,7 +400,7 @@ impl<'a> Retraced<'a> {
                         light_pdf_w: light.eval_pdf::<ALL>(-wi, TransportMode::Importance).1,
                         camera_pdf_w: camera.eval_pdf::<ALL>(wi, TransportMode::Radiance).1,
                     };
-                    joint.weight::<ALL>(h)
+                    joint.weight::<ALL>(h, self.splats())
                 }
                 _ => 0.0,
             })

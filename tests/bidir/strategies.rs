@@ -1,10 +1,7 @@
 //! Each strategy alone, without weights: where nothing but diffuse surfaces and lights with an extent are, all of them can
 //! make every path, so all that make paths of one length have the same mean.
 
-use etendue_bidir::{
-    strategies::{Event, Paths},
-    weights::Heuristic,
-};
+use etendue_bidir::{events::Event, strategies::Paths, weights::Heuristic};
 use etendue_core::{
     filter::Filter,
     has,
@@ -22,7 +19,7 @@ const EDGES: usize = 5;
 /// The image means of all strategies, by edges and vertices made from the light, from one seed.
 fn means(run: &Run, seed: u64, passes: u32) -> [[f64; EDGES + 2]; EDGES + 1] {
     let pixels = run.resolution.x * run.resolution.y;
-    let mut paths = Paths::new(&run.scene, &run.settings, Heuristic::Balance, Filter::Box, pixels.into());
+    let mut paths = Paths::new(&run.scene, &run.settings, Heuristic::Balance, Filter::Box, pixels);
     let mut sampler = independent(seed, passes);
     let mut sums = [[0.0; EDGES + 2]; EDGES + 1];
     for pass in 0..passes {

@@ -5,7 +5,8 @@ use crate::{
     scenes::{every_light, every_material},
 };
 use etendue_bidir::{
-    strategies::{Contribution, Event, Paths, Side},
+    events::{Contribution, Event, Side},
+    strategies::Paths,
     weights::Heuristic,
 };
 use etendue_core::{
@@ -113,6 +114,9 @@ fn full_path(
     Some(FullPath { origin, points, lens })
 }
 
+/// Particles for each path from the camera, of caustics.
+const PARTICLES: u32 = 3;
+
 /// What was found in one scene.
 #[derive(Default)]
 struct Tally {
@@ -155,15 +159,17 @@ impl Tally {
 
 fn check(name: &str, run: &Run, projection: Projection, heuristic: Heuristic, passes: u32) {
     let pixels = run.resolution.x * run.resolution.y;
-    let mut paths = Paths::new(&run.scene, &run.settings, heuristic, run.filter, pixels.into());
+    let mut paths =
+        Paths::new(&run.scene, &run.settings, heuristic, run.filter, pixels).with_caustic_particles(PARTICLES);
     let mut sampler = independent(77, 0);
     let mut tally = Tally::default();
-    for index in 0..pixels * passes {
+    for turn in 0..2 * pixels * passes {
+        let (index, pair) = (turn / 2, turn % 2 == 0);
         let pixel = UVec2::new(index % run.resolution.x, index / run.resolution.x % run.resolution.y);
-        sampler.start_sample(index, 0);
+        sampler.start_sample(index, turn % 2);
         let (mut start, mut light, mut camera) = (None, Record::default(), Record::default());
         let mut found = Vec::new();
-        paths.sample::<{ has::ALL }>(pixel, &mut *sampler, &mut Rays::default(), &mut |event| match event {
+        let mut tell = |event: Event<'_>| match event {
             Event::Emission(e) => start = Some(*e),
             Event::Vertex(side, vertex) => match side {
                 Side::Light => light.vertices.push(*vertex),
@@ -181,10 +187,15 @@ fn check(name: &str, run: &Run, projection: Projection, heuristic: Heuristic, pa
                     found.push((c.s as usize, c.t, f64::from(c.weight), path));
                 }
             }
-        });
+        };
+        if pair {
+            paths.sample::<{ has::ALL }>(pixel, &mut *sampler, &mut Rays::default(), &mut tell);
+        } else {
+            paths.caustic_particle::<{ has::ALL }>(&mut *sampler, &mut Rays::default(), &mut tell);
+        }
         for (s, t, weight, path) in &found {
             tally.made[if *t == 1 { 3 } else { (*s).min(2) }] += 1;
-            match Retraced::new(&run.scene, projection, pixels, path) {
+            match Retraced::new(&run.scene, projection, pixels, PARTICLES, path) {
                 Some(retraced) => {
                     assert_eq!(retraced.edges() as u32, *s as u32 + t - 1);
                     tally.check(&retraced, heuristic, *s, *weight);

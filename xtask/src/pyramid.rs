@@ -12,7 +12,8 @@ use crate::{
     render::check_image_path,
 };
 use etendue_bidir::{
-    strategies::{Contribution, Event, Paths},
+    events::{Contribution, Event},
+    strategies::Paths,
     weights::Heuristic,
 };
 use etendue_core::{
@@ -113,8 +114,7 @@ impl Pyramid {
     /// The contributions of a row's paths, and how many are not finite or negative.
     fn row(&self, scene: &Scene, settings: &Settings, heuristic: Heuristic, seed: u64, y: u32) -> (Vec<Deposit>, u64) {
         let mut sampler = (settings.sampler)(seed, settings.planned_passes);
-        let mut paths =
-            Paths::new(scene, settings, heuristic, self.filter, u64::from(self.size.x) * u64::from(self.size.y));
+        let mut paths = Paths::new(scene, settings, heuristic, self.filter, self.size.x * self.size.y);
         let (mut deposits, mut rejected) = (Vec::new(), 0);
         for x in 0..self.size.x {
             let index = y * self.size.x + x;

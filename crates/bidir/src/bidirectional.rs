@@ -1,11 +1,8 @@
 //! Bidirectional path tracing.
 
-use crate::{
-    particle::pixels,
-    strategies::{Event, Paths},
-    weights::Heuristic,
-};
+use crate::{events::Event, particle::pixels, strategies::Paths, weights::Heuristic};
 use etendue_core::{
+    effects::{Census, LobeKind},
     film::Film,
     rgb::Rgb,
     scene::Scene,
@@ -32,7 +29,7 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
         },
         Knob {
             name: "particles",
-            summary: "paths from lights for each from the camera; 0: two where anything may cast a caustic, else one",
+            summary: "paths from lights for each from the camera, all but one of them for caustics alone; 0: four where anything is smooth, else one",
             range: (0.0, 64.0),
             default: 0.0,
         },
@@ -40,7 +37,8 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
     build: |scene, settings, knobs| {
         let heuristic = Heuristic::ALL[(knobs[0].round() as usize).min(2)];
         let particles = match knobs[1].round() as u32 {
-            0 => 1 + u32::from(scene.census().casters > 0),
+            0 if is_smooth(scene.census()) => CAUSTIC_PARTICLES,
+            0 => 1,
             particles => particles,
         };
         Box::new(Bidirectional::new(scene, settings, heuristic, particles))
@@ -50,6 +48,15 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
 /// Connections of a pair of paths that are tested for what lies between, about: in rooms there are a dozen, and a few of them
 /// hold most of the light. With three, noise grows by some per cent and a pass takes a tenth to a quarter less.
 const CONNECTIONS: f32 = 3.0;
+
+/// Particles for each pixel where there are smooth surfaces.
+const CAUSTIC_PARTICLES: u32 = 4;
+
+/// Whether any surface is smooth.
+fn is_smooth(census: &Census) -> bool {
+    let smooth = [LobeKind::Conductor, LobeKind::Dielectric, LobeKind::ThinDielectric, LobeKind::Plastic];
+    census.lobes.iter().any(|lobe| smooth.contains(&lobe.kind))
+}
 
 /// The bidirectional path tracer.
 pub struct Bidirectional {
@@ -62,7 +69,7 @@ pub struct Bidirectional {
 
 impl Bidirectional {
     /// A bidirectional path tracer for a scene; nothing is built. For each path from the camera there are `particles` from
-    /// lights, at least one: it is connected to one of them, and all are seen by the camera.
+    /// lights, at least one, all but one of them for caustics of smooth surfaces alone.
     pub fn new(scene: Arc<Scene>, settings: Settings, heuristic: Heuristic, particles: u32) -> Bidirectional {
         let statistics = RenderStatistics { memory_bytes: scene.memory_bytes(), ..RenderStatistics::default() };
         Bidirectional { scene, settings, heuristic, particles: particles.max(1), statistics }
@@ -74,14 +81,14 @@ impl Technique for Bidirectional {
         let start = Instant::now();
         let (scene, settings, heuristic) = (&*self.scene, &self.settings, self.heuristic);
         let (width, filter, pixels) = (film.resolution().x, film.filter(), pixels(film));
-        let per_pixel = self.particles;
+        let particles = self.particles;
         let counted = specialise_coarsely!(scene.has(), HAS => film.add_splat_pass(
             BIDIR.name,
             pass,
             0,
             || {
                 let sampler = (settings.sampler)(seed, settings.planned_passes);
-                (sampler, Paths::new(scene, settings, heuristic, filter, u64::from(pixels) * u64::from(per_pixel)).testing(CONNECTIONS))
+                (sampler, Paths::new(scene, settings, heuristic, filter, pixels).with_caustic_particles(particles).testing(CONNECTIONS))
             },
             |_, _, _, _| {},
             |(sampler, paths), pixel, splats, statistics| {
@@ -95,10 +102,10 @@ impl Technique for Bidirectional {
                         None => sum += c.value * c.weight,
                     }
                 };
-                for more in 1..per_pixel {
+                for more in 1..particles {
                     // As if it belonged to another pixel.
                     sampler.start_sample(index.wrapping_add(more.wrapping_mul(pixels)), pass);
-                    paths.particle::<HAS>(&mut **sampler, &mut rays, &mut add);
+                    paths.caustic_particle::<HAS>(&mut **sampler, &mut rays, &mut add);
                 }
                 sampler.start_sample(index, pass);
                 paths.sample::<HAS>(pixel, &mut **sampler, &mut rays, &mut add);

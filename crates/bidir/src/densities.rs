@@ -2,7 +2,7 @@
 //!
 //! Russian roulette is left out of all of them: it is a property of a walk, not of a path, and weights need only sum to 1.
 
-use crate::weights::{Heuristic, LightEnd, Prefix};
+use crate::weights::{Heuristic, Left, LightEnd, Prefix};
 use etendue_core::{
     bsdf::TransportMode,
     camera::CameraSample,
@@ -26,7 +26,7 @@ fn distance_squared(a: Vec3, b: Vec3) -> f64 {
 #[derive(Clone, Copy, Debug)]
 pub struct Departure {
     /// [`Prefix::leave`] of the vertex.
-    pub left: f64,
+    pub left: Left,
     /// Density per steradian of the direction; 1 for a delta lobe.
     pub pdf_w: f64,
     /// Whether it goes on by a delta lobe.
@@ -175,17 +175,17 @@ pub struct Joint<'a> {
 }
 
 impl Joint<'_> {
-    /// Its weight.
+    /// Its weight, with so many particles for each path from the camera.
     #[inline]
-    pub fn weight<const HAS: u32>(&self, heuristic: Heuristic) -> f64 {
+    pub fn weight<const HAS: u32>(&self, heuristic: Heuristic, splats: f64) -> f64 {
         let ((y, y_prefix), (z, z_prefix)) = (self.light, self.camera);
         let d2 = distance_squared(y.surface.p, z.surface.p);
         let y_reverse = y.pdf_reverse::<HAS>(-self.wi, TransportMode::Importance);
         let z_reverse = z.pdf_reverse::<HAS>(self.wi, TransportMode::Radiance);
         heuristic.connected(
-            y_prefix.leave(heuristic, f64::from(y_reverse), false),
+            y_prefix.leave(heuristic, f64::from(y_reverse), false).others,
             f64::from(self.camera_pdf_w) * cosine(y.surface.ng, self.wi) / d2,
-            z_prefix.leave(heuristic, f64::from(z_reverse), false),
+            z_prefix.leave(heuristic, f64::from(z_reverse), false).with_splats(heuristic, splats),
             f64::from(self.light_pdf_w) * cosine(z.surface.ng, self.wi) / d2,
         )
     }

@@ -81,8 +81,10 @@
 mod bidirectional;
 mod connections;
 pub mod densities;
+pub mod events;
 mod light;
 pub mod particle;
+pub mod splats;
 pub mod strategies;
 pub mod weights;
 

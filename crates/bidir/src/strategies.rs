@@ -3,67 +3,23 @@
 use crate::{
     connections::{Connection, choose},
     densities::{Departure, Joint, camera_pdf_a, direct_end, emitted_end, escaped_end, hit_end},
+    events::{Contribution, Event, Side},
     particle::{Particle, connects, part, see},
-    weights::{DIRECT_SPLATS, Heuristic, LightEnd, Prefix},
+    splats::Splats,
+    weights::{Heuristic, LightEnd, Prefix},
 };
 use etendue_core::{
     bsdf::TransportMode,
     filter::Filter,
     geometry::offset::{shadow_ray, spawn_ray},
     has,
-    lights::{DirectSample, EmissionSample},
-    rgb::Rgb,
     sampler::{Purpose, Sampler},
     scene::Scene,
     statistics::render::Rays,
     technique::{Part, Settings},
-    walk::{Continuation, EscapedVertex, SurfaceVertex, Vertex, Walk},
+    walk::{EscapedVertex, SurfaceVertex, Vertex, Walk},
 };
 use glam::{UVec2, Vec2, Vec3};
-
-/// What happens while the two paths of a pixel are walked and joined. Who only wants an image listens to
-/// [`Event::Contribution`]; the rest is for whoever looks into single paths.
-#[derive(Clone, Copy, Debug)]
-pub enum Event<'a> {
-    /// A walk leaves a light.
-    Emission(&'a EmissionSample),
-    /// A walk reaches a surface.
-    Vertex(Side, &'a SurfaceVertex),
-    /// It goes on from there.
-    Step(Side, &'a Continuation),
-    /// A strategy has made a path that carries light.
-    Contribution(Contribution<'a>),
-}
-
-/// The end of a path that a walk starts from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// A light.
-    Light,
-    /// The camera.
-    Camera,
-}
-
-/// What a strategy contributes. The path has `s + t - 1` edges.
-#[derive(Clone, Copy, Debug)]
-pub struct Contribution<'a> {
-    /// Vertices made from the light, the one on the light included.
-    pub s: u32,
-    /// Vertices made from the camera, the one on the lens included.
-    pub t: u32,
-    /// The part of the light that the path belongs to.
-    pub part: Part,
-    /// Its contribution if no other strategy made such paths.
-    pub value: Rgb,
-    /// Its share among all strategies, in `[0, 1]`.
-    pub weight: f32,
-    /// Where on the film it falls, for `t = 1`; the others belong to the pixel.
-    pub film: Option<Vec2>,
-    /// The sampled light, for `s = 1`.
-    pub light: Option<&'a DirectSample>,
-    /// The sampled point of the lens, for `t = 1`.
-    pub lens: Option<Vec3>,
-}
 
 /// A vertex of a light path that others are connected to.
 #[derive(Clone, Copy, Debug)]
@@ -80,8 +36,8 @@ pub struct Paths<'a> {
     settings: &'a Settings,
     heuristic: Heuristic,
     filter: Filter,
-    /// Walks from lights in a pass, all pixels together.
-    particles: f32,
+    pixels: f32,
+    splats: Splats,
     light: Vec<LightVertex>,
     connections: Vec<Connection>,
     /// How many of a pixel's connections are tested on average; all if none.
@@ -89,16 +45,17 @@ pub struct Paths<'a> {
 }
 
 impl<'a> Paths<'a> {
-    /// For so many walks from lights a pass, all pixels together: one for each, if [`Paths::particle`] makes no more.
+    /// For a film of `pixels` pixels, each of which gets one pair of paths a pass.
     pub fn new(
         scene: &'a Scene,
         settings: &'a Settings,
         heuristic: Heuristic,
         filter: Filter,
-        particles: u64,
+        pixels: u32,
     ) -> Paths<'a> {
         let (light, connections) = (Vec::new(), Vec::new());
-        Paths { scene, settings, heuristic, filter, particles: particles as f32, light, connections, tests: None }
+        let (pixels, splats) = (pixels as f32, Splats::new(1));
+        Paths { scene, settings, heuristic, filter, pixels, splats, light, connections, tests: None }
     }
 
     /// Tests no more than about so many of a pair's connections for what lies between: each with a probability in proportion
@@ -125,9 +82,17 @@ impl<'a> Paths<'a> {
         self.test_connections::<HAS>(sampler, rays, tell);
     }
 
-    /// Walks one more path from a light, of which no vertex is connected but to the lens.
+    /// Says that for each pair of paths there are so many walks from lights that make caustics: the pair's and others, each by a
+    /// call of [`Paths::caustic_particle`].
+    #[must_use]
+    pub fn with_caustic_particles(self, particles: u32) -> Paths<'a> {
+        Paths { splats: Splats::new(particles), ..self }
+    }
+
+    /// Walks one more path from a light, and on if the first surface scatters it by a delta lobe: what the camera sees of it
+    /// is a caustic.
     #[inline]
-    pub fn particle<const HAS: u32>(
+    pub fn caustic_particle<const HAS: u32>(
         &mut self,
         sampler: &mut dyn Sampler,
         rays: &mut Rays,
@@ -190,7 +155,7 @@ impl<'a> Paths<'a> {
                 None => Prefix::from_light(heuristic, &emitted_end(scene.lights(), &particle.start, &vertex)),
                 Some((prefix, departure)) => departure.arrive(heuristic, prefix, &vertex),
             };
-            if connects::<HAS>(&vertex) {
+            if connects::<HAS>(&vertex) && (KEPT || vertex.depth > 1) {
                 let part = particle.part(&vertex, 0);
                 if settings.parts.contains(part) {
                     self.see::<HAS>(&vertex, &prefix, part, sampler, rays, tell);
@@ -200,6 +165,9 @@ impl<'a> Paths<'a> {
                 }
             }
             let Some(step) = particle.walk.go_on(&vertex, sampler) else { return };
+            if !KEPT && vertex.depth == 1 && !step.delta {
+                return;
+            }
             tell(Event::Step(Side::Light, &step));
             let departure = Departure::new::<HAS>(heuristic, &prefix, &vertex, &step, TransportMode::Importance);
             before = Some((prefix, departure));
@@ -218,16 +186,18 @@ impl<'a> Paths<'a> {
         tell: &mut impl FnMut(Event<'_>),
     ) {
         let margin = self.filter.radius();
-        let Some(seen) = see::<HAS>(self.scene, vertex, self.particles, margin, sampler) else { return };
-        let (camera, h, direct) = (&seen.camera, self.heuristic, vertex.depth == 1);
+        let splats = self.splats.of(part);
+        // Direct light has as many particles as other light; it only counts as if it had fewer.
+        let particles = self.pixels * splats.max(1.0) as f32;
+        let Some(seen) = see::<HAS>(self.scene, vertex, particles, margin, sampler) else { return };
+        let (camera, h) = (&seen.camera, self.heuristic);
         let reverse = vertex.pdf_reverse::<HAS>(camera.wi, TransportMode::Importance);
-        let found = camera_pdf_a(Some(camera), self.particles, camera.wi, vertex.surface.ng);
-        let found = if direct { found / DIRECT_SPLATS } else { found };
-        let weight = h.joined(h.term(found) * prefix.leave(h, f64::from(reverse), false));
+        let found = camera_pdf_a(Some(camera), self.pixels, camera.wi, vertex.surface.ng) / splats;
+        let weight = h.joined(h.term(found) * prefix.leave(h, f64::from(reverse), false).others);
         let mut value = seen.value;
-        if direct && self.tests.is_some() {
+        if self.tests.is_some() && splats < 1.0 {
             // Mostly of a weight that is not worth a ray.
-            let survival = (weight / DIRECT_SPLATS).min(1.0) as f32;
+            let survival = (weight / splats).min(1.0) as f32;
             if sampler.get_1d(vertex.depth, Purpose::Connections) >= survival {
                 return;
             }
@@ -282,7 +252,7 @@ impl<'a> Paths<'a> {
             let prefix = match &before {
                 None => {
                     let camera = scene.camera().sample_direct(vertex.surface.p, lens);
-                    let found = camera_pdf_a(camera.as_ref(), self.particles, vertex.wo, vertex.surface.ng);
+                    let found = camera_pdf_a(camera.as_ref(), self.pixels, vertex.wo, vertex.surface.ng);
                     Prefix::from_camera(heuristic, found)
                 }
                 Some((prefix, departure, _)) => departure.arrive(heuristic, prefix, &vertex),
@@ -315,9 +285,8 @@ impl<'a> Paths<'a> {
         if radiance.is_black() || !self.settings.parts.contains(part) {
             return;
         }
-        let weight = before.map_or(1.0, |(_, departure, ng)| {
-            self.hit_weight(&hit_end(lights, element, vertex, *ng), departure, vertex.depth)
-        });
+        let weight = before
+            .map_or(1.0, |(_, departure, ng)| self.hit_weight(&hit_end(lights, element, vertex, *ng), departure, part));
         tell(Event::Contribution(Contribution {
             s: 0,
             t: vertex.depth + 1,
@@ -330,10 +299,10 @@ impl<'a> Paths<'a> {
         }));
     }
 
-    /// The weight of a path that has run into a light at a depth.
+    /// The weight of a path that has run into a light.
     #[inline]
-    fn hit_weight(&self, end: &LightEnd, departure: &Departure, depth: u32) -> f64 {
-        let left = if depth == 2 { self.heuristic.direct(departure.left) } else { departure.left };
+    fn hit_weight(&self, end: &LightEnd, departure: &Departure, part: Part) -> f64 {
+        let left = departure.left.with_splats(self.heuristic, self.splats.of(part));
         self.heuristic.hit(end, departure.pdf_w, departure.delta, left)
     }
 
@@ -354,7 +323,7 @@ impl<'a> Paths<'a> {
             return;
         }
         let weight = before.map_or(1.0, |(_, departure, ng)| {
-            self.hit_weight(&escaped_end(lights, element, end, *ng), departure, depth)
+            self.hit_weight(&escaped_end(lights, element, end, *ng), departure, part)
         });
         tell(Event::Contribution(Contribution {
             s: 0,
@@ -405,8 +374,7 @@ impl<'a> Paths<'a> {
             value *= vertex.transmittance::<HAS>(scene, light.wi, distance);
         }
         let reverse = vertex.pdf_reverse::<HAS>(light.wi, TransportMode::Radiance);
-        let left = prefix.leave(heuristic, f64::from(reverse), false);
-        let left = if vertex.depth == 1 { heuristic.direct(left) } else { left };
+        let left = prefix.leave(heuristic, f64::from(reverse), false).with_splats(heuristic, self.splats.of(part));
         let weight = heuristic.next_event(&direct_end(scene.lights(), &light, vertex), f64::from(pdf_w), left);
         tell(Event::Contribution(Contribution {
             s: 1,
@@ -458,7 +426,7 @@ impl<'a> Paths<'a> {
             t: z.depth + 1,
             part: light.part,
             value,
-            weight: joint.weight::<HAS>(self.heuristic) as f32,
+            weight: joint.weight::<HAS>(self.heuristic, self.splats.of(light.part)) as f32,
             ray: shadow_ray(&z.surface, y.surface.p, y.surface.p_error, y.surface.ng, y.surface.id),
         })
     }
@@ -467,7 +435,7 @@ impl<'a> Paths<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use etendue_core::{camera::*, geometry::Mesh, independent::independent, material::Material, scene::*};
+    use etendue_core::{camera::*, geometry::Mesh, independent::independent, material::Material, rgb::Rgb, scene::*};
     use glam::DAffine3;
 
     #[test]

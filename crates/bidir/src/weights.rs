@@ -3,7 +3,7 @@
 //! A path `x_0 x_1 ... x_k` leads from a light to the camera. Strategy `s` makes its first `s` vertices by a walk from the light
 //! and the other `t = k + 1 - s` by one from the camera. Its density and that of strategy `s + 1` differ in one factor: `x_s` is
 //! found by the camera's walk in one, by the light's in the other. So their quotients are products along the path
-//! [Veach 1997, sec. 10.2.1], and the sum of all on one side of a connection can be carried by the walk itself in three numbers
+//! [Veach 1997, sec. 10.2.1], and the sum of all on one side of a connection can be carried by the walk itself in a few numbers
 //! a vertex, [`Prefix`], as soon as each walk also knows the density of its steps taken backwards [van Antwerpen 2011;
 //! Georgiev 2012, "Implementing Vertex Connection and Merging"]. Nothing is ever summed over stored vertices.
 //!
@@ -19,10 +19,11 @@
 //! let (camera_to_x1, x1_to_light) = (0.3, 0.4);
 //! let h = Heuristic::Balance;
 //! let camera = Prefix::from_camera(h, camera_to_x1);
-//! let hit = h.hit(&end, x1_to_light, false, camera.leave(h, 0.7, false));
-//! let next_event = h.next_event(&end, x1_to_light, camera.leave(h, 0.7, false));
+//! let left = camera.leave(h, 0.7, false).with_splats(h, 1.0);
+//! let hit = h.hit(&end, x1_to_light, false, left);
+//! let next_event = h.next_event(&end, x1_to_light, left);
 //! let light = Prefix::from_light(h, &end);
-//! let seen = h.joined(camera_to_x1 * light.leave(h, x1_to_light, false));
+//! let seen = h.joined(camera_to_x1 * light.leave(h, x1_to_light, false).others);
 //! assert!((hit + next_event + seen - 1.0).abs() < 1e-12);
 //! // The densities of the three strategies themselves:
 //! let densities = [camera_to_x1 * x1_to_light * end.hit, camera_to_x1 * end.direct, end.emitted * end.onward];
@@ -45,14 +46,6 @@ pub enum Heuristic {
 /// of strategies have one density (inside a diffuse sphere all have): rounding must not decide between them differently
 /// from strategy to strategy, or their weights would not sum to 1.
 const FAVOUR: f64 = 1.0 + 1.0 / 1024.0;
-
-/// Direct light that is splatted counts as if so small a part of the particles had been sent.
-///
-/// Weights by densities take the second moment of an estimate for its variance. Next-event estimation of direct light has hardly
-/// any variance, while particles land in a pixel as they happen to; at equal densities its share of the variance is a
-/// thirtieth or less in rooms with one lamp. Where it mostly asks lamps that do not shine there, splats still win.
-/// [Grittmann et al. 2019, "Variance-Aware Multiple Importance Sampling", for the observation]
-pub const DIRECT_SPLATS: f64 = 1.0 / 32.0;
 
 impl Heuristic {
     /// All of them.
@@ -94,13 +87,6 @@ impl Heuristic {
         }
     }
 
-    /// [`Prefix::leave`] of a walk's first surface from the camera, where the path goes to a light from there at once: the
-    /// strategy that is left is the splat of direct light.
-    #[inline]
-    pub fn direct(self, left: f64) -> f64 {
-        self.term(DIRECT_SPLATS) * left
-    }
-
     /// The weight of a strategy, given the sum of the terms of all others relative to its own density.
     #[inline]
     pub fn joined(self, others: f64) -> f64 {
@@ -113,7 +99,7 @@ impl Heuristic {
     /// The weight of a connection between a vertex `y` of a walk from a light and a vertex `z` of one from the camera
     /// (`s >= 2`, `t >= 2`).
     ///
-    /// `y` is [`Prefix::leave`] of `y` towards `z`, and `pdf_a_y` the density per square metre with which the camera's walk
+    /// `y` is what is [left](Prefix::leave) of `y` towards `z`, and `pdf_a_y` the density per square metre with which the camera's walk
     /// would go on from `z` to `y`; `z` and `pdf_a_z` the other way round.
     #[inline]
     pub fn connected(self, y: f64, pdf_a_y: f64, z: f64, pdf_a_z: f64) -> f64 {
@@ -122,8 +108,8 @@ impl Heuristic {
 
     /// The weight of a vertex `x_1` of a walk from the camera that is lit by next-event estimation (`s = 1`).
     ///
-    /// `pdf_w` is the density per steradian with which the walk would go on to the light, `x_1` its [`Prefix::leave`]
-    /// towards the light.
+    /// `pdf_w` is the density per steradian with which the walk would go on to the light, `x_1` what is
+    /// [left](Prefix::leave) of it towards the light.
     #[inline]
     pub fn next_event(self, end: &LightEnd, pdf_w: f64, x_1: f64) -> f64 {
         let hit = self.term(self.favour() * (pdf_w * end.hit / end.direct));
@@ -133,7 +119,7 @@ impl Heuristic {
     /// The weight of a walk from the camera that runs into a light (`s = 0`).
     ///
     /// It got there from `x_1` by a direction of density `pdf_w` per steradian; `delta` says whether by a delta lobe, and `x_1`
-    /// is its [`Prefix::leave`] towards the light.
+    /// is what is [left](Prefix::leave) of it towards the light.
     #[inline]
     pub fn hit(self, end: &LightEnd, pdf_w: f64, delta: bool, x_1: f64) -> f64 {
         let found = self.favour() * (pdf_w * end.hit);
@@ -167,9 +153,34 @@ pub struct Prefix {
     /// The side's factor on quotients.
     favour: f64,
     /// Term of the strategy that connects the vertex before to this one: 1 where that can be.
-    connected: f64,
+    connected: Left,
     /// Terms of all that end earlier, for a density of 1 per steradian of the step back from here.
-    earlier: f64,
+    earlier: Left,
+}
+
+/// What the strategies that would have ended a walk before a vertex add to a weight: the splat (`t = 1`) by itself, as only who
+/// knows the whole path can say how many particles there were for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Left {
+    /// Terms of all but the splat.
+    pub others: f64,
+    /// Term of the splat, with one particle for each path from the camera; 0 on walks from lights.
+    pub splat: f64,
+}
+
+impl Left {
+    const NOTHING: Left = Left { others: 0.0, splat: 0.0 };
+
+    /// All terms, with `splats` particles for each path from the camera.
+    #[inline]
+    pub fn with_splats(self, heuristic: Heuristic, splats: f64) -> f64 {
+        heuristic.sum(self.others, heuristic.term(splats) * self.splat)
+    }
+
+    #[inline]
+    fn scaled(self, factor: f64) -> Left {
+        Left { others: self.others * factor, splat: self.splat * factor }
+    }
 }
 
 impl Prefix {
@@ -181,8 +192,8 @@ impl Prefix {
             pdf_a: end.onward,
             favour,
             // The light itself is connected by next-event estimation, which has its own density.
-            connected: heuristic.term(end.direct / end.emitted),
-            earlier: heuristic.term(favour * (end.hit / end.emitted)),
+            connected: Left { others: heuristic.term(end.direct / end.emitted), splat: 0.0 },
+            earlier: Left { others: heuristic.term(favour * (end.hit / end.emitted)), splat: 0.0 },
         }
     }
 
@@ -190,19 +201,28 @@ impl Prefix {
     /// runs into a camera.
     #[inline]
     pub fn from_camera(heuristic: Heuristic, pdf_a: f64) -> Prefix {
-        Prefix { pdf_a, favour: 1.0 / heuristic.favour(), connected: 1.0, earlier: 0.0 }
+        Prefix {
+            pdf_a,
+            favour: 1.0 / heuristic.favour(),
+            connected: Left { others: 0.0, splat: 1.0 },
+            earlier: Left::NOTHING,
+        }
     }
 
-    /// The sum of the terms of all strategies in which this walk ends before this vertex, relative to ending it here, for a
+    /// The terms of all strategies in which this walk ends before this vertex, relative to ending it here, for a
     /// density of 1 per square metre with which the walk from the other side finds this vertex.
     ///
     /// The path leaves the vertex in some direction. `reverse` is the density per steradian with which the other walk,
     /// coming from there, would step back to the vertex before this one; `delta` says that this is by a delta lobe.
     #[inline]
-    pub fn leave(&self, heuristic: Heuristic, reverse: f64, delta: bool) -> f64 {
-        let connected = if delta { 0.0 } else { self.connected };
-        let earlier = heuristic.term(reverse) * self.earlier;
-        heuristic.term(self.favour / self.pdf_a) * heuristic.sum(connected, earlier)
+    pub fn leave(&self, heuristic: Heuristic, reverse: f64, delta: bool) -> Left {
+        let connected = if delta { Left::NOTHING } else { self.connected };
+        let earlier = self.earlier.scaled(heuristic.term(reverse));
+        let all = Left {
+            others: heuristic.sum(connected.others, earlier.others),
+            splat: heuristic.sum(connected.splat, earlier.splat),
+        };
+        all.scaled(heuristic.term(self.favour / self.pdf_a))
     }
 
     /// The next vertex of the walk: `left` is [`Prefix::leave`] of this one in the direction of the step, by a delta lobe or
@@ -211,9 +231,9 @@ impl Prefix {
     /// `pdf_a` is the next vertex's density per square metre, and `back` what turns a density per steradian of the step back
     /// from there into one per square metre at this vertex: the cosine here over the squared distance.
     #[inline]
-    pub fn next(&self, heuristic: Heuristic, left: f64, delta: bool, back: f64, pdf_a: f64) -> Prefix {
-        let connected = f64::from(!delta);
-        Prefix { pdf_a, favour: self.favour, connected, earlier: heuristic.term(back) * left }
+    pub fn next(&self, heuristic: Heuristic, left: Left, delta: bool, back: f64, pdf_a: f64) -> Prefix {
+        let connected = Left { others: f64::from(!delta), splat: 0.0 };
+        Prefix { pdf_a, favour: self.favour, connected, earlier: left.scaled(heuristic.term(back)) }
     }
 }
 
@@ -229,6 +249,8 @@ mod tests {
         /// Density per steradian of the light from `x_1`.
         to_light: f64,
         surfaces: Vec<Surface>,
+        /// Particles for each path from the camera.
+        splats: f64,
     }
 
     /// A surface and the way to the next one.
@@ -261,7 +283,8 @@ mod tests {
                     });
                     let camera = (0..n).filter(|i| i + 1 >= s).map(|i| self.surfaces[i].back * self.surfaces[i].here);
                     let onward = if s > 1 { self.end.onward } else { 1.0 };
-                    f64::from(joined) * first * onward * light.product::<f64>() * camera.product::<f64>()
+                    let number = if s == n + 1 { self.splats } else { 1.0 };
+                    f64::from(joined) * first * onward * light.product::<f64>() * camera.product::<f64>() * number
                 })
                 .collect()
         }
@@ -290,18 +313,22 @@ mod tests {
                 .map(|s| match s {
                     0 => {
                         let first = &self.surfaces[0];
-                        h.hit(&self.end, self.to_light, first.delta, camera[0].leave(h, onward(0), first.delta))
+                        let left = camera[0].leave(h, onward(0), first.delta).with_splats(h, self.splats);
+                        h.hit(&self.end, self.to_light, first.delta, left)
                     }
                     1 if !self.surfaces[0].delta => {
-                        h.next_event(&self.end, self.to_light, camera[0].leave(h, onward(0), false))
+                        let left = camera[0].leave(h, onward(0), false).with_splats(h, self.splats);
+                        h.next_event(&self.end, self.to_light, left)
                     }
                     s if s == n + 1 && !last.delta => {
-                        h.joined(h.term(last.back * last.here) * light[n - 1].leave(h, back(n - 1), false))
+                        let found = last.back * last.here / self.splats;
+                        h.joined(h.term(found) * light[n - 1].leave(h, back(n - 1), false).others)
                     }
                     s if (2..=n).contains(&s) && !self.surfaces[s - 2].delta && !self.surfaces[s - 1].delta => {
                         let (y, z) = (&self.surfaces[s - 2], s - 1);
-                        let y_left = light[s - 2].leave(h, back(s - 2), false);
-                        h.connected(y_left, y.back * y.here, camera[z].leave(h, onward(z), false), y.onward * y.there)
+                        let y_left = light[s - 2].leave(h, back(s - 2), false).others;
+                        let z_left = camera[z].leave(h, onward(z), false).with_splats(h, self.splats);
+                        h.connected(y_left, y.back * y.here, z_left, y.onward * y.there)
                     }
                     _ => 0.0,
                 })
@@ -318,11 +345,8 @@ mod tests {
             .prop_map(|(delta, onward, back, there, here)| Surface { delta, onward, back, there, here });
         let end = (density(), density(), density(), prop_oneof![density(), Just(0.0)])
             .prop_map(|(direct, emitted, onward, hit)| LightEnd { direct, emitted, onward, hit });
-        (end, density(), prop::collection::vec(surface, 1..9)).prop_map(|(end, to_light, surfaces)| Chain {
-            end,
-            to_light,
-            surfaces,
-        })
+        (end, density(), prop::collection::vec(surface, 1..9), density())
+            .prop_map(|(end, to_light, surfaces, splats)| Chain { end, to_light, surfaces, splats })
     }
 
     proptest! {
@@ -355,7 +379,7 @@ mod tests {
         let third = 1.0 / 3.0;
         let surface = Surface { delta: false, onward: third, back: third, there: 3.0, here: 3.0 };
         let end = LightEnd { direct: third, emitted: third, onward: 1.0, hit: 1.0 };
-        let chain = Chain { end, to_light: third, surfaces: vec![surface; 6] };
+        let chain = Chain { end, to_light: third, surfaces: vec![surface; 6], splats: 1.0 };
         let weights = chain.recursive(Heuristic::Maximum);
         assert_eq!(weights, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         for h in [Heuristic::Balance, Heuristic::Power] {
