@@ -8,7 +8,7 @@ use etendue_core::{
     scene::Scene,
     specialise_coarsely,
     statistics::render::RenderStatistics,
-    technique::{Bias, Knob, Parts, Settings, Technique, TechniqueInfo},
+    technique::{Bias, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
 };
 use std::{sync::Arc, time::Instant};
 
@@ -81,7 +81,7 @@ impl Technique for Bidirectional {
         let start = Instant::now();
         let (scene, settings, heuristic) = (&*self.scene, &self.settings, self.heuristic);
         let (width, filter, pixels) = (film.resolution().x, film.filter(), pixels(film));
-        let particles = self.particles;
+        let particles = if settings.parts.contains(Part::Caustic) { self.particles } else { 1 };
         let counted = specialise_coarsely!(scene.has(), HAS => film.add_splat_pass(
             BIDIR.name,
             pass,

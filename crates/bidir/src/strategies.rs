@@ -151,6 +151,9 @@ impl<'a> Paths<'a> {
         let mut before: Option<(Prefix, Departure)> = None;
         while let Some(vertex) = particle.trace(rays) {
             tell(Event::Vertex(Side::Light, &vertex));
+            if !KEPT && vertex.depth == 1 && !(HAS & has::LOBES != 0 && vertex.bsdf.has_delta()) {
+                return;
+            }
             let prefix = match &before {
                 None => Prefix::from_light(heuristic, &emitted_end(scene.lights(), &particle.start, &vertex)),
                 Some((prefix, departure)) => departure.arrive(heuristic, prefix, &vertex),
