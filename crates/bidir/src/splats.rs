@@ -15,9 +15,10 @@ impl Splats {
     /// Weights by densities take the second moment of an estimate for its variance. Next-event estimation of direct light has
     /// hardly any variance, while particles land in a pixel as they happen to: weighted as they are, they made the variance of
     /// direct light 8 times as large in a room with one lamp, 20 times with a smaller one. Where next-event estimation mostly
-    /// asks lamps that do not shine there, splats still win.
+    /// asks lamps that do not shine there, splats still win: with an eighth the scene of hidden lights has 7 % more noise than
+    /// with one, with a 32nd 80 %.
     /// [Grittmann et al. 2019, "Variance-Aware Multiple Importance Sampling", for the observation]
-    pub const DIRECT: f64 = 1.0 / 32.0;
+    pub const DIRECT: f64 = 1.0 / 8.0;
 
     /// With so many particles for caustics and one for other light.
     pub fn new(caustic: u32) -> Splats {
