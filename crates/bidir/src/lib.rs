@@ -74,6 +74,9 @@
 //! There is no `t = 0`: a camera is no thing in the scene, and no particle runs into its lens. There is no `(1, 1)` either:
 //! lights that are seen directly are seen by the camera's rays without noise.
 //!
+//! Splats of direct light count for less in the weights than their densities say, and caustics of smooth surfaces may have
+//! particles of their own: see [`splats::Splats`].
+//!
 //! Depth, Russian roulette and the parts of the light are those of path tracing: a path belongs to the same
 //! [`Part`](etendue_core::technique::Part) whoever makes it. Roulette on either walk is accounted for in what a path
 //! carries, and left out of the densities in the weights, which need only sum to 1.
