@@ -122,7 +122,9 @@ const PARTICLES: u32 = 3;
 struct Tally {
     /// Paths looked at, by how they were made: s = 0, s = 1, s and t >= 2, t = 1.
     made: [u32; 4],
-    /// Of those, paths that rays along them missed by rounding.
+    /// Of those, paths of particles for caustics alone.
+    caustics: u32,
+    /// Of all, paths that rays along them missed by rounding.
     missed: u32,
     /// Paths with a weight off by more than a thousandth of itself, or of a thousandth.
     apart: u32,
@@ -195,6 +197,7 @@ fn check(name: &str, run: &Run, projection: Projection, heuristic: Heuristic, pa
         }
         for (s, t, weight, path) in &found {
             tally.made[if *t == 1 { 3 } else { (*s).min(2) }] += 1;
+            tally.caustics += u32::from(!pair);
             match Retraced::new(&run.scene, projection, pixels, PARTICLES, path) {
                 Some(retraced) => {
                     assert_eq!(retraced.edges() as u32, *s as u32 + t - 1);
@@ -204,10 +207,14 @@ fn check(name: &str, run: &Run, projection: Projection, heuristic: Heuristic, pa
             }
         }
     }
-    let Tally { made, missed, apart, worst } = tally;
-    println!("{name}, {}: {made:?} paths, {missed} missed, {apart} apart, worst {worst:.1e}", heuristic.name());
+    let Tally { made, caustics, missed, apart, worst } = tally;
+    println!(
+        "{name}, {}: {made:?} paths, {caustics} of them of particles for caustics, {missed} missed, {apart} apart, worst {worst:.1e}",
+        heuristic.name()
+    );
     let all: u32 = made.iter().sum();
     assert!(all > 100 && made[1] > 0 && made[3] > 0, "{name}: {made:?}");
+    assert!(caustics > 0 || name != "glass-caustic", "{name}: no caustic");
     // Between surfaces that all but touch, directions have few digits.
     assert!(missed * 100 < all, "{name}: {missed} missed");
     assert_eq!(apart, 0, "{name}: of {all}, worst {worst}");

@@ -88,7 +88,8 @@ impl Pyramid {
         Pyramid { size, filter, depth, passes: 0, rejected: 0, sums }
     }
 
-    /// Adds a pass: a pair of paths for each pixel, those of [`etendue_bidir::BIDIR`] with the same seed. The same sums come
+    /// Adds a pass: a pair of paths for each pixel, those of [`etendue_bidir::BIDIR`] with the same seed and
+    /// no particles besides. The same sums come
     /// of it on any number of threads.
     pub fn pass(&mut self, scene: &Scene, settings: &Settings, heuristic: Heuristic, seed: u64) {
         for first in (0..self.size.y).step_by(ROWS as usize) {

@@ -29,7 +29,7 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
         },
         Knob {
             name: "particles",
-            summary: "paths from lights for each from the camera, all but one of them for caustics alone; 0: four where anything is smooth, else one",
+            summary: "paths from lights for each from the camera, all but one for caustics alone; 0: four with mirrors or glass, else one",
             range: (0.0, 64.0),
             default: 0.0,
         },
@@ -37,7 +37,7 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
     build: |scene, settings, knobs| {
         let heuristic = Heuristic::ALL[(knobs[0].round() as usize).min(2)];
         let particles = match knobs[1].round() as u32 {
-            0 if is_smooth(scene.census()) => CAUSTIC_PARTICLES,
+            0 if has_mirrors_or_glass(scene.census()) => CAUSTIC_PARTICLES,
             0 => 1,
             particles => particles,
         };
@@ -49,12 +49,12 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
 /// hold most of the light. With three, noise grows by some per cent and a pass takes a tenth to a quarter less.
 const CONNECTIONS: f32 = 3.0;
 
-/// Particles for each pixel where there are smooth surfaces.
+/// Particles for each pixel where there are mirrors or glass.
 const CAUSTIC_PARTICLES: u32 = 4;
 
-/// Whether any surface is smooth.
-fn is_smooth(census: &Census) -> bool {
-    let smooth = [LobeKind::Conductor, LobeKind::Dielectric, LobeKind::ThinDielectric, LobeKind::Plastic];
+/// Whether any surface is nothing but smooth; whether particles pay for coats over diffuse bodies has not been measured.
+fn has_mirrors_or_glass(census: &Census) -> bool {
+    let smooth = [LobeKind::Conductor, LobeKind::Dielectric, LobeKind::ThinDielectric];
     census.lobes.iter().any(|lobe| smooth.contains(&lobe.kind))
 }
 
@@ -88,7 +88,8 @@ impl Technique for Bidirectional {
             0,
             || {
                 let sampler = (settings.sampler)(seed, settings.planned_passes);
-                (sampler, Paths::new(scene, settings, heuristic, filter, pixels).with_caustic_particles(particles).testing(CONNECTIONS))
+                let paths = Paths::new(scene, settings, heuristic, filter, pixels);
+                (sampler, paths.with_caustic_particles(particles).testing(CONNECTIONS))
             },
             |_, _, _, _| {},
             |(sampler, paths), pixel, splats, statistics| {

@@ -34,8 +34,6 @@ pub struct Particle<'a, const HAS: u32> {
 pub struct Seen {
     /// The connection.
     pub camera: CameraSample,
-    /// Density per steradian with which the particle would go on to the lens.
-    pub pdf_w: f32,
     /// What to splat if nothing lies between, unweighted.
     pub value: Rgb,
     /// From the vertex to the lens.
@@ -122,7 +120,7 @@ pub fn see<const HAS: u32>(
     if !scene.camera().film_contains(camera.film, margin) {
         return None;
     }
-    let (f_cos, pdf_w) = vertex.eval_pdf::<HAS>(camera.wi, TransportMode::Importance);
+    let (f_cos, _) = vertex.eval_pdf::<HAS>(camera.wi, TransportMode::Importance);
     if f_cos.is_black() {
         return None;
     }
@@ -130,7 +128,7 @@ pub fn see<const HAS: u32>(
     if HAS & has::MEDIA != 0 {
         value *= vertex.transmittance::<HAS>(scene, camera.wi, camera.target.distance(vertex.surface.p));
     }
-    Some(Seen { camera, pdf_w, value, ray: shadow_ray_to_point(&vertex.surface, camera.target) })
+    Some(Seen { camera, value, ray: shadow_ray_to_point(&vertex.surface, camera.target) })
 }
 
 /// Number of pixels: of particles, where there is one for each.

@@ -36,6 +36,7 @@ pub struct Paths<'a> {
     settings: &'a Settings,
     heuristic: Heuristic,
     filter: Filter,
+    /// Of the film: as many paths from the camera a pass.
     pixels: f32,
     splats: Splats,
     light: Vec<LightVertex>,

@@ -38,7 +38,7 @@ pub enum Purpose {
     CameraConnection,
     /// Which of several candidates of next-event estimation is kept (1D).
     LightCandidate,
-    /// Which connections between two walks are tested for what lies between (1D, vertex 0).
+    /// Which connections are tested for what lies between: of two walks to each other (1D, vertex 0), of one to the camera (1D).
     Connections,
 }
 
