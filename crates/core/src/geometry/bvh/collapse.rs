@@ -65,6 +65,11 @@ impl<'a> Plan<'a> {
         self.costs[0][0]
     }
 
+    /// The expected cost of a node as one root.
+    pub fn cost_of(&self, n: usize) -> f32 {
+        self.costs[n][0]
+    }
+
     /// Whether a node becomes a leaf when it is one root.
     pub fn is_leaf(&self, n: usize) -> bool {
         self.leaf[n]
