@@ -120,35 +120,44 @@ impl Prepared {
         Edges { lanes: (left | right).bitmask(), weights: [u, v, w], depths: [az, bz, cz] }
     }
 
-    /// Where the ray meets the triangles that [`Prepared::edges`] leaves, as far as single precision decides it; `nearest`
-    /// is the best hit so far. `ANY`: the ray has an end, where it may arrive at a triangle.
+    /// Which of the triangles that [`Prepared::edges`] leaves the ray meets, as far as single precision decides it; those
+    /// that are further than `nearest` are left out. `ANY`: the ray has an end, where it may arrive at a triangle.
     #[inline(always)]
-    pub fn distances<const ANY: bool>(&self, pack: &Pack, edges: &Edges, nearest: f32) -> Distances {
-        let [u, v, w] = edges.weights;
+    pub fn between<const ANY: bool>(&self, pack: &Pack, edges: &Edges, nearest: f32) -> Between {
         let scale = Vec4::splat(self.shear[2]);
-        let [a, b, c] = edges.depths;
-        let (a, b, c) = (a * scale, b * scale, c * scale);
+        let distances = {
+            let [a, b, c] = edges.depths;
+            [a * scale, b * scale, c * scale]
+        };
+        let [a, b, c] = distances;
         let zero = Vec4::ZERO;
-        let inverse = Vec4::ONE / (u + v + w);
-        let (v, w) = (v * inverse, w * inverse);
         let (least, most) = (a.min(b.min(c)), a.max(b.max(c)));
-        // From one vertex on, so that a plane at right angles to the axis has one distance exactly.
-        let t = (a + (v * (b - a) + w * (c - a))).max(least).min(most);
-        // `t` is a mean of the vertices' distances: between those there is no doubt on which side of either end it lies. An
-        // edge function that is zero is, or hides, one of the other sign.
-        let [eu, ev, ew] = edges.weights;
-        let inside = eu.cmpne(zero) & ev.cmpne(zero) & ew.cmpne(zero);
+        // The hit's distance is a mean of the vertices': between those there is no doubt on which side of either end it
+        // lies. An edge function that is zero is, or hides, one of the other sign.
+        let [u, v, w] = edges.weights;
+        let inside = u.cmpne(zero) & v.cmpne(zero) & w.cmpne(zero);
         let sure = inside & least.cmpgt(zero) & (most * STRETCH).cmplt(Vec4::splat(self.t_max));
         let beyond = least.cmpgt(Vec4::splat(nearest)) | most.cmple(zero);
         let ends =
             if ANY { pack.lanes_of(self.leaves) | pack.lanes_of(self.arrives) } else { pack.lanes_of(self.leaves) };
         let lanes = edges.lanes & !beyond.bitmask() & !ends;
         let sure = lanes & sure.bitmask();
-        let near = t.cmple(Vec4::splat(nearest)).bitmask();
-        Distances { hit: sure & near, doubtful: lanes & !sure, t: t.to_array(), v: v.to_array(), w: w.to_array() }
+        Between { sure, doubtful: lanes & !sure, distances, least, most }
     }
 
-    /// Decides about a triangle that [`Prepared::distances`] leaves in doubt: (t, u, v) of a hit in (0, t_max).
+    /// Where the ray meets the triangles.
+    #[inline(always)]
+    pub fn points(&self, edges: &Edges, between: &Between) -> Points {
+        let [u, v, w] = edges.weights;
+        let [a, b, c] = between.distances;
+        let inverse = Vec4::ONE / (u + v + w);
+        let (v, w) = (v * inverse, w * inverse);
+        // From one vertex on, so that a plane at right angles to the axis has one distance exactly.
+        let t = (a + (v * (b - a) + w * (c - a))).max(between.least).min(between.most);
+        Points { t: t.to_array(), v: v.to_array(), w: w.to_array() }
+    }
+
+    /// Decides about a triangle that [`Prepared::between`] leaves in doubt: (t, u, v) of a hit in (0, t_max).
     #[inline(never)]
     pub fn decide(&self, pack: &Pack, lane: usize) -> Option<(f32, f32, f32)> {
         // Once more, so that what is rare does not keep the tests of others out of registers.
@@ -215,12 +224,21 @@ pub(in crate::geometry) struct Edges {
     depths: [Vec4; 3],
 }
 
-/// Hits in a pack.
-pub(in crate::geometry) struct Distances {
-    /// The triangles that are hit in (0, t_max), no further than the best hit so far.
-    pub hit: u32,
+/// The triangles of a pack that lie between the ray's ends.
+pub(in crate::geometry) struct Between {
+    /// Those that are hit for sure.
+    pub sure: u32,
     /// Those that need [`Prepared::decide`].
     pub doubtful: u32,
+    /// The vertices' ray parameters.
+    distances: [Vec4; 3],
+    /// The least and the most of the three.
+    least: Vec4,
+    most: Vec4,
+}
+
+/// Where a ray meets the triangles of a pack.
+pub(in crate::geometry) struct Points {
     /// Ray parameters.
     pub t: [f32; LANES],
     /// Barycentric coordinates of the second vertices.

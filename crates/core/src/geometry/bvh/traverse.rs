@@ -170,18 +170,21 @@ impl Bvh {
         if edges.lanes == 0 {
             return false;
         }
-        let distances = ray.distances::<ANY>(pack, &edges, best.hit.t);
-        if ANY && distances.hit != 0 {
+        let between = ray.between::<ANY>(pack, &edges, best.hit.t);
+        if ANY && between.sure != 0 {
             return true;
         }
-        let mut hits = distances.hit;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize % LANES;
-            hits &= hits - 1;
-            let (t, u, v) = (distances.t[lane], distances.v[lane], distances.w[lane]);
-            best.offer(Hit { t, u, v, primitive: pack.primitives[lane], instance });
+        if !ANY && between.sure != 0 {
+            let points = ray.points(&edges, &between);
+            let mut hits = between.sure;
+            while hits != 0 {
+                let lane = hits.trailing_zeros() as usize % LANES;
+                hits &= hits - 1;
+                let (t, u, v) = (points.t[lane], points.v[lane], points.w[lane]);
+                best.offer(Hit { t, u, v, primitive: pack.primitives[lane], instance });
+            }
         }
-        let mut doubtful = distances.doubtful;
+        let mut doubtful = between.doubtful;
         while doubtful != 0 {
             let lane = doubtful.trailing_zeros() as usize % LANES;
             doubtful &= doubtful - 1;
