@@ -33,22 +33,23 @@ pub fn pixel_sample<const HAS: u32, const RESAMPLED: bool>(
     let mut walk = Walk::<HAS>::from_camera(scene, settings.limits(), film, lens);
     let mut sum = Rgb::BLACK;
     loop {
-        match walk.trace(rays) {
+        // By reference: a vertex is large.
+        match &walk.trace(rays) {
             Vertex::Escaped(end) => {
-                return sum + escaped::<HAS>(scene, settings.parts, light_samples, &end);
+                return sum + escaped::<HAS>(scene, settings.parts, light_samples, end);
             }
             Vertex::Surface(vertex) => {
                 if let Some(element) = scene.element(&vertex.surface) {
-                    sum += emitted::<HAS>(scene, settings.parts, light_samples, &vertex, element);
+                    sum += emitted::<HAS>(scene, settings.parts, light_samples, vertex, element);
                 }
                 let light = if walk.is_exhausted() || HAS & has::LOBES != 0 && vertex.bsdf.is_delta() {
                     None
                 } else if RESAMPLED {
-                    resampled_next_event::<HAS>(scene, settings, candidates, &vertex, sampler)
+                    resampled_next_event::<HAS>(scene, settings, candidates, vertex, sampler)
                 } else {
-                    next_event::<HAS>(scene, settings.parts, &vertex, sampler)
+                    next_event::<HAS>(scene, settings.parts, vertex, sampler)
                 };
-                let goes_on = walk.scatter(&vertex, sampler);
+                let goes_on = walk.scatter(vertex, sampler);
                 if let Some(light) = light {
                     sum += light.arriving::<HAS>(scene, rays);
                 }

@@ -102,12 +102,6 @@ impl Pack {
         self.primitives[lane] = primitive;
     }
 
-    /// A bit for each lane that has a primitive.
-    #[inline(always)]
-    pub fn lanes_of(&self, primitive: u32) -> u32 {
-        self.primitives.iter().enumerate().fold(0, |lanes, (i, p)| lanes | u32::from(*p == primitive) << i)
-    }
-
     /// The vertices of one lane.
     #[inline(always)]
     pub fn triangle(&self, lane: usize) -> [Vec3; 3] {

@@ -120,16 +120,13 @@ impl Prepared {
         Edges { lanes: (left | right).bitmask(), weights: [u, v, w], depths: [az, bz, cz] }
     }
 
-    /// Which of the triangles that [`Prepared::edges`] leaves the ray meets, as far as single precision decides it; those
-    /// that are further than `nearest` are left out. `ANY`: the ray has an end, where it may arrive at a triangle.
+    /// Which of the triangles that [`Prepared::edges`] leaves the ray meets between its ends, as far as single precision
+    /// decides it; those that are further than `nearest` are left out.
     #[inline(always)]
-    pub fn between<const ANY: bool>(&self, pack: &Pack, edges: &Edges, nearest: f32) -> Between {
+    pub fn between(&self, edges: &Edges, nearest: f32) -> Between {
         let scale = Vec4::splat(self.shear[2]);
-        let distances = {
-            let [a, b, c] = edges.depths;
-            [a * scale, b * scale, c * scale]
-        };
-        let [a, b, c] = distances;
+        let [a, b, c] = edges.depths;
+        let (a, b, c) = (a * scale, b * scale, c * scale);
         let zero = Vec4::ZERO;
         let (least, most) = (a.min(b.min(c)), a.max(b.max(c)));
         // The hit's distance is a mean of the vertices': between those there is no doubt on which side of either end it
@@ -138,11 +135,15 @@ impl Prepared {
         let inside = u.cmpne(zero) & v.cmpne(zero) & w.cmpne(zero);
         let sure = inside & least.cmpgt(zero) & (most * STRETCH).cmplt(Vec4::splat(self.t_max));
         let beyond = least.cmpgt(Vec4::splat(nearest)) | most.cmple(zero);
-        let ends =
-            if ANY { pack.lanes_of(self.leaves) | pack.lanes_of(self.arrives) } else { pack.lanes_of(self.leaves) };
-        let lanes = edges.lanes & !beyond.bitmask() & !ends;
+        let lanes = edges.lanes & !beyond.bitmask();
         let sure = lanes & sure.bitmask();
-        Between { sure, doubtful: lanes & !sure, distances, least, most }
+        Between { sure, doubtful: lanes & !sure, distances: [a, b, c], least, most }
+    }
+
+    /// Whether the ray starts on a triangle or, where it has an end (`ANY`), ends on it.
+    #[inline(always)]
+    pub fn lies_on<const ANY: bool>(&self, primitive: u32) -> bool {
+        primitive == self.leaves || ANY && primitive == self.arrives
     }
 
     /// Where the ray meets the triangles.

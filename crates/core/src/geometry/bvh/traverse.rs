@@ -170,31 +170,42 @@ impl Bvh {
         if edges.lanes == 0 {
             return false;
         }
-        let between = ray.between::<ANY>(pack, &edges, best.hit.t);
-        if ANY && between.sure != 0 {
-            return true;
-        }
-        if !ANY && between.sure != 0 {
+        let between = ray.between(&edges, best.hit.t);
+        if between.sure != 0 {
             let points = ray.points(&edges, &between);
-            let mut hits = between.sure;
-            while hits != 0 {
-                let lane = hits.trailing_zeros() as usize % LANES;
-                hits &= hits - 1;
-                let (t, u, v) = (points.t[lane], points.v[lane], points.w[lane]);
-                best.offer(Hit { t, u, v, primitive: pack.primitives[lane], instance });
+            for lane in lanes(between.sure) {
+                let primitive = pack.primitives[lane];
+                if ray.lies_on::<ANY>(primitive) {
+                    continue;
+                }
+                if ANY {
+                    return true;
+                }
+                best.offer(Hit { t: points.t[lane], u: points.v[lane], v: points.w[lane], primitive, instance });
             }
         }
-        let mut doubtful = between.doubtful;
-        while doubtful != 0 {
-            let lane = doubtful.trailing_zeros() as usize % LANES;
-            doubtful &= doubtful - 1;
+        for lane in lanes(between.doubtful) {
+            let primitive = pack.primitives[lane];
+            if ray.lies_on::<ANY>(primitive) {
+                continue;
+            }
             if let Some((t, u, v)) = ray.decide(pack, lane) {
                 if ANY {
                     return true;
                 }
-                best.offer(Hit { t, u, v, primitive: pack.primitives[lane], instance });
+                best.offer(Hit { t, u, v, primitive, instance });
             }
         }
         false
     }
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
 }
