@@ -1,7 +1,9 @@
 //! Work split into runs of fixed length, on rayon's current thread pool with feature `parallel`, else on the caller's
 //! thread.
 //!
-//! The runs do not depend on the number of threads, so neither does anything that is kept for the length of a run.
+//! The runs do not depend on the number of threads, so neither does anything that is kept for the length of a run. Each can be
+//! taken by another thread: left to itself, rayon makes few long tasks of them, and at the end of a pass one thread waits for
+//! the last of another's.
 
 use crate::statistics::render::RenderStatistics;
 #[cfg(feature = "parallel")]
@@ -19,6 +21,7 @@ pub fn for_runs_of<T: Send>(
     return items
         .par_chunks_mut(run)
         .enumerate()
+        .with_max_len(1)
         .map(|(i, items)| work(i * run, items))
         .reduce(RenderStatistics::default, merged);
     #[cfg(not(feature = "parallel"))]
@@ -34,7 +37,11 @@ pub fn for_runs_of<T: Send>(
 pub fn for_ranges(count: u32, run: u32, work: impl Fn(Range<u32>) -> RenderStatistics + Sync) -> RenderStatistics {
     let range = |i: u32| i * run..(i * run).saturating_add(run).min(count);
     #[cfg(feature = "parallel")]
-    return (0..count.div_ceil(run)).into_par_iter().map(|i| work(range(i))).reduce(RenderStatistics::default, merged);
+    return (0..count.div_ceil(run))
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|i| work(range(i)))
+        .reduce(RenderStatistics::default, merged);
     #[cfg(not(feature = "parallel"))]
     return (0..count.div_ceil(run)).map(|i| work(range(i))).fold(RenderStatistics::default(), merged);
 }
