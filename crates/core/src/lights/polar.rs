@@ -111,3 +111,35 @@ pub(super) fn sample_linear(a: f64, b: f64, u: f64) -> f64 {
     let root = a + ((1.0 - u) * a * a + u * b * b).sqrt();
     if root > 0.0 { (u * (a + b) / root).min(1.0) } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against Simpson's rule, in bands of every kind, beside a pole, in the middle, and at the other pole.
+    #[test]
+    fn sampling_inverts_the_integral() {
+        for width in [0.002, 0.013, 0.015, 0.09, 0.11, 1.0] {
+            for start in [0.0, 0.7, std::f64::consts::PI - width] {
+                let band = Band::new(start, width);
+                for (a, b) in [(1.0, 1.0), (0.0, 2.0), (3.0, 0.0), (1.0, 1e4)] {
+                    let density = |t: f64| ((1.0 - t) * a + t * b) * (start + width * t).sin();
+                    let integral = |end: f64| {
+                        let (n, mut sum) = (200, 0.0);
+                        for i in 0..=n {
+                            let weight = if i == 0 || i == n { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+                            sum += weight * density(end * f64::from(i) / f64::from(n));
+                        }
+                        sum * end / f64::from(3 * n)
+                    };
+                    let all = integral(1.0);
+                    for i in 0..=20 {
+                        let u = f64::from(i) / 20.0;
+                        let found = integral(band.sample(a, b, u)) / all;
+                        assert!((found - u).abs() < 1e-7, "{width} {start} {a} {b}: {u} became {found}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -61,7 +61,7 @@ impl Child {
 pub(in crate::geometry) struct Node {
     /// `bounds[axis][0]` are the lower, `bounds[axis][1]` the upper bounds.
     pub bounds: [[[f32; WIDTH]; 2]; 3],
-    /// What the boxes hold.
+    /// What the boxes hold, by how much it hides for the cost of looking, the most last.
     pub children: [Child; WIDTH],
 }
 

@@ -47,7 +47,7 @@ impl Best {
 }
 
 impl Bvh {
-    /// Visits what the ray may hit, the near before the far. `ANY`: returns true at the first hit, in no order. `OTHER`: there
+    /// Visits what the ray may hit, the near before the far. `ANY`: returns true at the first hit, and visits first what hides most. `OTHER`: there
     /// may be leaves that are no triangles; `other` is called for them, and says whether they were hit.
     #[inline(always)]
     pub fn walk<K: Kernel, const ANY: bool, const OTHER: bool>(
@@ -121,7 +121,7 @@ impl Bvh {
             return Some(node.children[hits.trailing_zeros() as usize % WIDTH]);
         }
         if ANY {
-            // Any order will do, and nothing is beyond what has not been hit.
+            // Distances tell nothing; the last slot first, as it hides most, and nothing is beyond what has not been hit.
             let mut slot = hits.trailing_zeros() as usize % WIDTH;
             while hits & (hits - 1) != 0 {
                 prefetch(&self.arena, node.children[slot]);
