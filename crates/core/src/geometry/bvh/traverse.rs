@@ -47,8 +47,9 @@ impl Best {
 }
 
 impl Bvh {
-    /// Visits what the ray may hit, the near before the far. `ANY`: returns true at the first hit, and visits first what hides most. `OTHER`: there
-    /// may be leaves that are no triangles; `other` is called for them, and says whether they were hit.
+    /// Visits what the ray may hit, the near before the far. `ANY`: visits first what hides most, and returns true at the
+    /// first hit. `OTHER`: there may be leaves that are no triangles; `other` is called for them, and says whether they were
+    /// hit.
     #[inline(always)]
     pub fn walk<K: Kernel, const ANY: bool, const OTHER: bool>(
         &self,
