@@ -14,7 +14,7 @@ pub struct Ray {
     pub direction: Vec3,
     /// Upper bound of `t`, exclusive; infinity for an unbounded ray.
     pub t_max: f32,
-    /// What it starts on: a triangle is flat, so the ray never meets it again, and need not be tested against it.
+    /// What it starts on: a triangle is flat, so the ray never meets it again.
     pub leaves: PrimitiveId,
     /// What the end of a segment lies on, by which a triangle cannot hide it.
     pub arrives: PrimitiveId,

@@ -72,28 +72,33 @@ fn alone(shapes: &[Shape]) -> Vec<Shape> {
     out
 }
 
-/// The nearest hit by testing everything.
-struct Exhaustive(Vec<(Geometry, u32, u32)>);
+/// The nearest hit by testing everything: each primitive, what it is, and whether it is a triangle.
+struct Exhaustive(Vec<(Geometry, PrimitiveId, bool)>);
 
 impl Exhaustive {
     fn new(shapes: &[Shape], groups: &[Vec<Shape>], instances: &[Instance]) -> Exhaustive {
         let mut all = Vec::new();
-        for (i, shape) in alone(shapes).into_iter().enumerate() {
-            all.push((Geometry::build(vec![shape], vec![], vec![]), NO_INSTANCE, i as u32));
+        let flat = |shape: &Shape| matches!(shape, Shape::Mesh(_));
+        for (shape, primitive) in alone(shapes).into_iter().zip(0..) {
+            let (id, flat) = (PrimitiveId { primitive, instance: NO_INSTANCE }, flat(&shape));
+            all.push((Geometry::build(vec![shape], vec![], vec![]), id, flat));
         }
-        for (k, instance) in instances.iter().enumerate() {
-            for (i, shape) in alone(&groups[instance.group as usize]).into_iter().enumerate() {
+        for (instance, number) in instances.iter().zip(0..) {
+            for (shape, primitive) in alone(&groups[instance.group as usize]).into_iter().zip(0..) {
                 let instance = Instance { group: 0, ..*instance };
-                all.push((Geometry::build(vec![], vec![vec![shape]], vec![instance]), k as u32, i as u32));
+                let (id, flat) = (PrimitiveId { primitive, instance: number }, flat(&shape));
+                all.push((Geometry::build(vec![], vec![vec![shape]], vec![instance]), id, flat));
             }
         }
         Exhaustive(all)
     }
 
-    fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let hits = self.0.iter().filter_map(|(geometry, instance, primitive)| {
-            let hit = geometry.closest::<ALL>(ray)?;
-            Some(Hit { instance: *instance, primitive: *primitive, ..hit })
+    /// The nearest hit of a ray of which no end is known to lie on anything, but not of these triangles.
+    fn closest(&self, ray: &Ray, but: &[PrimitiveId]) -> Option<Hit> {
+        let ray = Ray { leaves: PrimitiveId::NONE, arrives: PrimitiveId::NONE, ..*ray };
+        let hits = self.0.iter().filter(|(_, id, flat)| !flat || !but.contains(id)).filter_map(|(geometry, id, _)| {
+            let hit = geometry.closest::<ALL>(&ray)?;
+            Some(Hit { instance: id.instance, primitive: id.primitive, ..hit })
         });
         hits.min_by(|a, b| (a.t, a.instance, a.primitive).partial_cmp(&(b.t, b.instance, b.primitive)).unwrap())
     }
@@ -135,9 +140,24 @@ fn check_against_search(
         let t_max = if rng.random() { f32::INFINITY } else { 1.0 };
         let ray = Ray { t_max, ..Ray::new(a, b - a) };
         let hit = etendue_core::specialise!(geometry.has(), HAS => geometry.closest::<HAS>(&ray));
-        prop_assert_eq!(hit, exhaustive.closest(&ray), "{:?}", ray);
+        prop_assert_eq!(hit, exhaustive.closest(&ray, &[]), "{:?}", ray);
         let occluded = etendue_core::specialise!(geometry.has(), HAS => geometry.occluded::<HAS>(&ray));
         prop_assert_eq!(occluded, hit.is_some(), "{:?}", ray);
+        // The same ray as if it came from something that it meets and went on to what is behind that.
+        let id = |hit: Option<Hit>, rng: &mut Pcg64Mcg| {
+            let id = hit.map_or(PrimitiveId::NONE, |h| PrimitiveId { primitive: h.primitive, instance: h.instance });
+            // At times another placement of it.
+            let instance = if rng.random_ratio(1, 4) { rng.random_range(0..3) } else { id.instance };
+            PrimitiveId { instance, ..id }
+        };
+        let leaves = id(hit, &mut rng);
+        let ray = Ray { leaves, ..ray };
+        let next = etendue_core::specialise!(geometry.has(), HAS => geometry.closest::<HAS>(&ray));
+        prop_assert_eq!(next, exhaustive.closest(&ray, &[leaves]), "{:?}", ray);
+        let arrives = id(next, &mut rng);
+        let ray = Ray { arrives, ..ray };
+        let occluded = etendue_core::specialise!(geometry.has(), HAS => geometry.occluded::<HAS>(&ray));
+        prop_assert_eq!(occluded, exhaustive.closest(&ray, &[leaves, arrives]).is_some(), "{:?}", ray);
         if let Some(hit) = hit {
             let surface = geometry.surface::<{ ALL }>(&ray, &hit);
             // Both points lie near the ray. How far apart they are along it is no better known than the point in which it

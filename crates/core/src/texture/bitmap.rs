@@ -137,10 +137,26 @@ mod tests {
                 assert_eq!(inside(i, size, Wrap::Mirror) as i64, if within < n { within } else { 2 * n - 1 - within });
             }
         }
-        // What folding leaves is no further out, rounding included.
-        for x in [-1e-30, -1e-9, 0.0, 1e-9, 1.0_f32.next_down(), 1.0, 2.0_f32.next_down(), 2.0, 1e9, -1e9, f32::MAX] {
-            assert!((0.0..=1.0).contains(&fold(x, Wrap::Repeat)) && (0.0..=1.0).contains(&fold(x, Wrap::Clamp)), "{x}");
-            assert!((0.0..=2.0).contains(&fold(x, Wrap::Mirror)), "{x}");
+    }
+
+    #[test]
+    fn any_coordinates_find_texels_of_the_image() {
+        let (tiny, least) = (f32::MIN_POSITIVE, f32::from_bits(1));
+        let places = [0.0, least, tiny, 1e-9, 0.3, 1.0_f32.next_down(), 1.0, 2.0_f32.next_down(), 2.0, 1e9, f32::MAX];
+        let places: Vec<f32> = places.iter().flat_map(|&x| [x, -x]).chain([f32::NAN, f32::INFINITY]).collect();
+        for (width, height) in [(1, 1), (2, 1), (1, 3), (7, 5), (4096, 2)] {
+            let get = |i: usize| {
+                assert!(i < (width * height) as usize, "{i} of {width} x {height}");
+                1.0_f32
+            };
+            let texels = Texels { width, height, get };
+            for (&u, &v) in places.iter().flat_map(|u| places.iter().map(move |v| (u, v))) {
+                for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+                    assert_eq!(texels.at(Vec2::new(u, v), Interpolation::Nearest, wrap), 1.0);
+                    let between = texels.at(Vec2::new(u, v), Interpolation::Bilinear, wrap);
+                    assert!((between - 1.0).abs() < 1e-6 || !(u.is_finite() && v.is_finite()), "{u} {v} {between}");
+                }
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use super::{
     node::{LANES, WIDTH},
     repack::repack,
     split::cut,
-    topology::{Binary, cluster},
+    topology::{Binary, cluster, unit_scale},
 };
 use crate::parallel;
 use glam::{Vec3, Vec3Swizzles};
@@ -136,12 +136,13 @@ impl<F: Fn(u32) -> [Vec3; 3]> Emitter<'_, F> {
     /// How much surface is in each node of the binary tree, about.
     fn filled(&self) -> Vec<f32> {
         let mut filled = vec![0.0; self.binary.len()];
+        let scale = unit_scale(&self.binary[0]);
         for (n, node) in self.binary.iter().enumerate().rev() {
-            let (first, extent) = (node.first as usize, node.hi - node.lo);
+            let (first, extent) = (node.first as usize, node.hi * scale - node.lo * scale);
             filled[n] = if node.count > 1 {
                 filled[first] + filled[first + 1]
             } else if self.references[first].kind == Kind::Triangle {
-                let [a, b, c] = (self.triangle)(self.references[first].index);
+                let [a, b, c] = (self.triangle)(self.references[first].index).map(|p| p * scale);
                 // Of a triangle in parts each has as large a share as of the length that is cut most: mostly the only one.
                 let share = extent / (a.max(b).max(c) - a.min(b).min(c));
                 share.to_array().into_iter().fold(1.0, f32::min) * (b - a).cross(c - a).length()
@@ -194,17 +195,19 @@ impl<F: Fn(u32) -> [Vec3; 3]> Emitter<'_, F> {
 mod tests {
     use super::*;
 
-    /// A fence of pales beside a wall, of as many triangles in boxes of the same size.
+    /// A fence of pales and a wall, of as many triangles in boxes of the same size, either of them first in space, whatever
+    /// the unit of length.
     #[test]
     fn what_hides_most_is_visited_first_by_rays_that_ask_for_anything() {
-        for wall_first in [true, false] {
+        let cases = [1.0, 1e15, 1e-15].into_iter().flat_map(|scale| [(100.0, scale), (-100.0, scale)]);
+        for (fence, scale) in cases {
             let mut triangles = Vec::new();
             for i in 0..16 {
                 let (x, y) = ((i % 4) as f32, (i / 4) as f32);
                 let corner = |x: f32, y: f32| Vec3::new(x, y, 0.1 * x);
                 let wall = [corner(x, y), corner(x + 1.0, y), corner(x, y + 1.0)];
-                let pale = [corner(x, y), corner(x + 0.01, y), corner(x + 1.0, y + 1.0)].map(|p| p + 100.0 * Vec3::X);
-                triangles.extend(if wall_first { [wall, pale] } else { [pale, wall] });
+                let pale = [corner(x, y), corner(x + 0.01, y), corner(x + 1.0, y + 1.0)].map(|p| p + fence * Vec3::X);
+                triangles.extend([wall, pale].map(|triangle| triangle.map(|p| p * scale)));
             }
             let references = (0..).zip(&triangles).map(|(index, [a, b, c])| Reference {
                 lo: a.min(*b).min(*c),
@@ -215,7 +218,7 @@ mod tests {
             let bvh = Bvh::build(references.collect(), |i| triangles[i as usize]);
             let root = bvh.arena.node(bvh.root.unwrap());
             let last = root.children.iter().rposition(|child| *child != Child(u32::MAX)).unwrap();
-            assert!(last > 0 && root.bounds[0][0][last] < 50.0, "{root:?}");
+            assert!(last > 0 && root.bounds[0][0][last].abs() < 50.0 * scale, "{root:?}");
         }
     }
 }

@@ -121,7 +121,7 @@ impl Prepared {
     }
 
     /// Which of the triangles that [`Prepared::edges`] leaves the ray meets between its ends, as far as single precision
-    /// decides it; those that are further than `nearest` are left out.
+    /// decides it; those of which no part is as near as `nearest` are left out.
     #[inline(always)]
     pub fn between(&self, edges: &Edges, nearest: f32) -> Between {
         let scale = Vec4::splat(self.shear[2]);
