@@ -65,8 +65,7 @@ impl<T: Texel, F: Fn(usize) -> T> Texels<F> {
         match interpolation {
             Interpolation::Nearest => {
                 let (x, y) = self.place(uv, wrap);
-                let column = inside(x.floor() as i64, self.width, wrap);
-                (self.get)(inside(y.floor() as i64, self.height, wrap) * self.width as usize + column)
+                self.texel(x.floor() as i64, y.floor() as i64, wrap)
             }
             Interpolation::Bilinear => {
                 let ([[t00, t10], [t01, t11]], f) = self.patch(uv, wrap);
@@ -86,29 +85,26 @@ impl<T: Texel, F: Fn(usize) -> T> Texels<F> {
         let (x, y) = self.place(uv, wrap);
         let (x, y) = (x - 0.5, y - 0.5);
         let (x0, y0) = (x.floor(), y.floor());
-        let (left, top) = (x0 as i64, y0 as i64);
-        let columns = [inside(left, self.width, wrap), inside(left + 1, self.width, wrap)];
-        let rows = [inside(top, self.height, wrap), inside(top + 1, self.height, wrap)];
-        let texel = |column: usize, row: usize| (self.get)(rows[row] * self.width as usize + columns[column]);
+        let (column, row) = (x0 as i64, y0 as i64);
+        let texel = |dx: i64, dy: i64| self.texel(column + dx, row + dy, wrap);
         ([[texel(0, 0), texel(1, 0)], [texel(0, 1), texel(1, 1)]], Vec2::new(x - x0, y - y0))
     }
-}
 
-/// The index along one side of the texel that stands for number `i`, which lies in what [`fold`] leaves or one beside it.
-#[inline]
-fn inside(i: i64, size: u32, wrap: Wrap) -> usize {
-    let size = i64::from(size);
-    // A division would take longer than all else in a look-up.
-    let repeated = |size: i64| if i < 0 { i + size } else { i - if i < size { 0 } else { size } };
-    let index = match wrap {
-        Wrap::Repeat => repeated(size),
-        Wrap::Clamp => i.clamp(0, size - 1),
-        Wrap::Mirror => {
-            let i = repeated(2 * size);
-            i.min(2 * size - 1 - i)
-        }
-    };
-    index as usize
+    /// A texel, one that lies up to a whole image outside included.
+    fn texel(&self, column: i64, row: i64, wrap: Wrap) -> T {
+        let inside = |i: i64, size: u32| {
+            let size = i64::from(size);
+            match wrap {
+                Wrap::Repeat => i.rem_euclid(size),
+                Wrap::Clamp => i.clamp(0, size - 1),
+                Wrap::Mirror => {
+                    let i = i.rem_euclid(2 * size);
+                    i.min(2 * size - 1 - i)
+                }
+            }
+        };
+        (self.get)(inside(row, self.height) as usize * self.width as usize + inside(column, self.width) as usize)
+    }
 }
 
 /// A coordinate brought near the unit interval: repeating into it, mirroring into the first two units, clamping to its ends.
@@ -123,21 +119,6 @@ fn fold(x: f32, wrap: Wrap) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn beyond_the_border_an_image_goes_on() {
-        for size in 1..6_u32 {
-            let n = i64::from(size);
-            for i in -1..=n {
-                assert_eq!(inside(i, size, Wrap::Repeat) as i64, i.rem_euclid(n));
-                assert_eq!(inside(i, size, Wrap::Clamp) as i64, i.clamp(0, n - 1));
-            }
-            for i in -1..=2 * n {
-                let within = i.rem_euclid(2 * n);
-                assert_eq!(inside(i, size, Wrap::Mirror) as i64, if within < n { within } else { 2 * n - 1 - within });
-            }
-        }
-    }
 
     #[test]
     fn any_coordinates_find_texels_of_the_image() {
