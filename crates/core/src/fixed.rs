@@ -169,9 +169,9 @@ mod tests {
     proptest! {
         #[test]
         fn f32_above_the_floor_is_exact(negative: bool, exponent in -41..32, fraction in 0..1_u32 << 23) {
+            // From 2^-41, of which the last bit is the resolution, up to the limit.
             let magnitude = f32::from_bits(((127 + exponent) as u32) << 23 | fraction);
             let v = f64::from(if negative { -magnitude } else { magnitude });
-            prop_assert!((0.5_f64.powi(41)..FixedSum::TERM_LIMIT).contains(&v.abs()));
             prop_assert_eq!(FixedSum::new(v).unwrap().to_f64(), v);
         }
 
