@@ -410,6 +410,12 @@ impl<'a> Paths<'a> {
         if !d2.is_normal() {
             return None;
         }
+        // In the plane of a surface within rounding, it is not known on which side of it the other vertex is.
+        let error = y.surface.p_error + z.surface.p_error;
+        let beside = |ng: Vec3| to.dot(ng).abs() <= error.dot(ng.abs());
+        if beside(y.surface.ng) || beside(z.surface.ng) {
+            return None;
+        }
         let wi = to / d2.sqrt();
         let (z_f_cos, camera_pdf_w) = z.eval_pdf::<HAS>(wi, TransportMode::Radiance);
         if z_f_cos.is_black() {

@@ -1,7 +1,9 @@
 //! The one walk, from the camera or from a light, a vertex at a time.
 
+mod scattering;
+
 use crate::{
-    bsdf::{Bsdf, BsdfSample, TransportMode, shading_correction},
+    bsdf::{Bsdf, TransportMode},
     frame::Frame,
     geometry::{Surface, offset::spawn_ray},
     has,
@@ -11,9 +13,9 @@ use crate::{
     sampler::{Purpose, Sampler},
     scene::Scene,
     statistics::render::Rays,
-    warp::ONE_MINUS_EPSILON,
 };
 use glam::{Vec2, Vec3};
+use scattering::folded;
 
 /// Where a walk ends.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +42,7 @@ pub struct SurfaceVertex {
     pub bsdf: Bsdf,
     /// Unit direction to the previous vertex, world space.
     pub wo: Vec3,
-    /// The same in the shading frame.
+    /// The same in the shading frame: `wo` where the shading and the geometric normal see it on one side, else `-wo`.
     pub wo_local: Vec3,
     /// Where the edge came from: a surface vertex's point, or the camera's or light's.
     pub from: Vec3,
@@ -174,16 +176,17 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
                 self.absorb(hit.t);
                 let bsdf = self.scene.bsdf::<HAS>(&surface);
                 let tilt = self.scene.tilt::<HAS>(&surface, &bsdf);
+                let seen = folded(wo, surface.ns, surface.ng);
                 let normal = match (&tilt, self.mode) {
                     (None, _) => surface.ns,
-                    (Some(tilt), TransportMode::Radiance) => tilt.seen_from(wo),
-                    // Who looks is not known yet.
-                    (Some(tilt), TransportMode::Importance) => tilt.normals(wo)[0],
+                    (Some(tilt), TransportMode::Radiance) => tilt.seen_from(seen),
+                    // The direction to the viewer is not known yet.
+                    (Some(tilt), TransportMode::Importance) => tilt.normals(seen)[0],
                 };
                 let frame = frame_about::<HAS>(&bsdf, normal, &surface);
                 Vertex::Surface(SurfaceVertex {
                     bsdf,
-                    wo_local: frame.to_local(wo),
+                    wo_local: frame.to_local(seen),
                     surface,
                     frame,
                     tilt,
@@ -239,8 +242,7 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
             }
         };
         // A single Lambert lobe needs no choice; a number that is not asked for costs nothing and shifts no other.
-        let choose = HAS & has::LOBES != 0
-            || HAS & has::TEXTURES != 0 && vertex.tilt.is_some() && self.mode == TransportMode::Importance;
+        let choose = HAS & has::LOBES != 0 || vertex.chooses_normal(self.mode);
         let u_lobe = if choose { sampler.get_1d(self.depth, lobe) } else { 0.0 };
         let u = sampler.get_2d(self.depth, direction);
         let (wi, sample, correction) = vertex.sample::<HAS>(u_lobe, u, self.mode)?;
@@ -276,155 +278,6 @@ pub fn transmittance(absorption: Rgb, distance: f32) -> Rgb {
     // Zero times infinity is not a number: what does not absorb lets light through from anywhere.
     let left = |a: f32| if a > 0.0 { (-a * distance).exp() } else { 1.0 };
     Rgb::new(left(absorption.r), left(absorption.g), left(absorption.b))
-}
-
-impl SurfaceVertex {
-    /// What is left of light on a straight way of a distance in metres from here towards `wi`, nothing being between.
-    #[inline]
-    pub fn transmittance<const HAS: u32>(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
-        if HAS & has::MEDIA == 0 {
-            return Rgb::WHITE;
-        }
-        transmittance(scene.medium_towards::<HAS>(&self.surface, self.wo, wi, self.medium), distance)
-    }
-
-    /// Samples a direction to go on in: in the world, as a sample in some frame about the surface, and the factor that
-    /// belongs to the weight.
-    #[inline]
-    fn sample<const HAS: u32>(&self, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<(Vec3, BsdfSample, f32)> {
-        if HAS & has::TEXTURES != 0
-            && let Some(tilt) = &self.tilt
-        {
-            return self.sample_tilted::<HAS>(tilt, u_lobe, u, mode);
-        }
-        let sample = self.bsdf.sample::<HAS>(self.wo_local, u_lobe, u, mode)?;
-        let wi = self.frame.to_world(sample.wi);
-        let factor =
-            if goes_straight::<HAS>(&sample, self.wo_local) { 1.0 } else { self.correction(wi, sample.wi, mode) };
-        Some((wi, sample, factor))
-    }
-
-    /// The factor that shading normals bring for light going from or to `wi` (world, and local in the shading frame):
-    /// 0 where `wi` or `wo` lies on different sides of the shading and of the geometric normal.
-    #[inline]
-    fn correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
-        shading_correction(mode, self.wo.dot(self.surface.ng), self.wo_local.z, wi.dot(self.surface.ng), wi_local.z)
-    }
-
-    /// Scattered `f |cos wi|` towards the world direction `wi`, and the density of sampling it.
-    #[inline]
-    pub fn eval_pdf<const HAS: u32>(&self, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
-        if HAS & has::TEXTURES != 0
-            && let Some(tilt) = &self.tilt
-        {
-            return self.eval_pdf_tilted::<HAS>(tilt, wi, mode);
-        }
-        let wi_local = self.frame.to_local(wi);
-        let (f, pdf_w) = self.bsdf.eval_pdf::<HAS>(self.wo_local, wi_local, mode);
-        (f * (wi_local.z.abs() * self.correction(wi, wi_local, mode)), pdf_w)
-    }
-
-    /// The density per steradian with which a walk the other way, that comes from the world direction `wi`, samples `wo`.
-    /// `mode` is that of this walk; delta lobes count nothing.
-    #[inline]
-    pub fn pdf_reverse<const HAS: u32>(&self, wi: Vec3, mode: TransportMode) -> f32 {
-        if HAS & has::TEXTURES != 0
-            && let Some(tilt) = &self.tilt
-        {
-            return self.pdf_reverse_tilted::<HAS>(tilt, wi, mode);
-        }
-        self.bsdf.eval_pdf::<HAS>(self.frame.to_local(wi), self.wo_local, mode).1
-    }
-}
-
-/// Share of samples that a path from a light takes with a relief turned: who looks at it, and so with which normal it is
-/// seen, is only known when the direction is.
-const TURNED: f32 = 0.25;
-
-/// With a relief.
-impl SurfaceVertex {
-    /// As seen with one normal: both directions in its frame, and the factor that normals bring.
-    #[inline]
-    fn seen_with<const HAS: u32>(&self, normal: Vec3) -> SurfaceVertex {
-        let frame = frame_about::<HAS>(&self.bsdf, normal, &self.surface);
-        SurfaceVertex { frame, wo_local: frame.to_local(self.wo), tilt: None, ..*self }
-    }
-
-    /// [`SurfaceVertex::eval_pdf`].
-    fn eval_pdf_tilted<const HAS: u32>(&self, tilt: &Tilt, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
-        match mode {
-            TransportMode::Radiance => {
-                let (f_cos, pdf_w) = SurfaceVertex { tilt: None, ..*self }.eval_pdf::<HAS>(wi, mode);
-                (f_cos * tilt.shadowing(wi), pdf_w)
-            }
-            TransportMode::Importance => {
-                let seen = tilt.seen_from(wi);
-                let (mut value, mut density) = (Rgb::BLACK, 0.0);
-                for (normal, share) in tilt.normals(self.wo).into_iter().zip([1.0 - TURNED, TURNED]) {
-                    let (f_cos, pdf_w) = self.seen_with::<HAS>(normal).eval_pdf::<HAS>(wi, mode);
-                    density += share * pdf_w;
-                    if normal == seen {
-                        value = f_cos * tilt.shadowing(self.wo);
-                    }
-                }
-                (value, density)
-            }
-        }
-    }
-
-    /// [`SurfaceVertex::pdf_reverse`].
-    fn pdf_reverse_tilted<const HAS: u32>(&self, tilt: &Tilt, wi: Vec3, mode: TransportMode) -> f32 {
-        let turned_round = SurfaceVertex { wo: wi, ..*self };
-        match mode {
-            TransportMode::Radiance => turned_round.eval_pdf_tilted::<HAS>(tilt, self.wo, TransportMode::Importance).1,
-            TransportMode::Importance => {
-                let seen = turned_round.seen_with::<HAS>(tilt.seen_from(wi));
-                seen.eval_pdf::<HAS>(self.wo, TransportMode::Radiance).1
-            }
-        }
-    }
-
-    /// [`SurfaceVertex::sample`].
-    fn sample_tilted<const HAS: u32>(
-        &self,
-        tilt: &Tilt,
-        u_lobe: f32,
-        u: Vec2,
-        mode: TransportMode,
-    ) -> Option<(Vec3, BsdfSample, f32)> {
-        if mode == TransportMode::Radiance {
-            let (wi, sample, factor) = SurfaceVertex { tilt: None, ..*self }.sample::<HAS>(u_lobe, u, mode)?;
-            let straight = goes_straight::<HAS>(&sample, self.wo_local);
-            return Some((wi, sample, if straight { factor } else { factor * tilt.shadowing(wi) }));
-        }
-        let [first, second] = tilt.normals(self.wo);
-        // What is left of the number chooses the lobe.
-        let (normal, share, u_lobe) = if u_lobe < TURNED {
-            (second, TURNED, u_lobe / TURNED)
-        } else {
-            (first, 1.0 - TURNED, (u_lobe - TURNED) / (1.0 - TURNED))
-        };
-        let vertex = self.seen_with::<HAS>(normal);
-        let (wi, sample, factor) = vertex.sample::<HAS>(u_lobe.min(ONE_MINUS_EPSILON), u, mode)?;
-        if sample.delta {
-            // Of the two normals, one has this direction; the other does not scatter into it.
-            if tilt.seen_from(wi) != normal {
-                return None;
-            }
-            let straight = goes_straight::<HAS>(&sample, vertex.wo_local);
-            let shadowing = if straight { 1.0 } else { tilt.shadowing(self.wo) };
-            let sample = BsdfSample { pdf_w: sample.pdf_w * share, ..sample };
-            return Some((wi, sample, factor * shadowing / share));
-        }
-        let (f_cos, pdf_w) = self.eval_pdf_tilted::<HAS>(tilt, wi, mode);
-        (pdf_w > 0.0).then(|| (wi, BsdfSample { weight: f_cos * (1.0 / pdf_w), pdf_w, ..sample }, 1.0))
-    }
-}
-
-/// Whether light passes straight through a mask or a thin sheet: it has met no boundary that a normal belongs to.
-#[inline]
-fn goes_straight<const HAS: u32>(sample: &BsdfSample, wo_local: Vec3) -> bool {
-    HAS & has::LOBES != 0 && sample.delta && sample.wi == -wo_local
 }
 
 /// The frame about a shading normal. What is isotropic looks the same in every frame, and one of them is had for less.

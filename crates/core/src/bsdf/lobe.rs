@@ -106,6 +106,24 @@ impl Lobe {
         }
     }
 
+    /// Whether the lobe or a part of it is diffuse.
+    #[inline]
+    pub(super) fn has_diffuse(&self) -> bool {
+        match self {
+            Lobe::Lambert { .. }
+            | Lobe::Plastic(_)
+            | Lobe::RoughPlastic(_)
+            | Lobe::Principled(_)
+            | Lobe::PrincipledThin(_) => true,
+            Lobe::Conductor { .. }
+            | Lobe::RoughConductor { .. }
+            | Lobe::Dielectric { .. }
+            | Lobe::RoughDielectric { .. }
+            | Lobe::ThinDielectric { .. }
+            | Lobe::Null => false,
+        }
+    }
+
     /// Whether it changes when the surface is turned about its normal.
     #[inline]
     pub fn is_anisotropic(&self) -> bool {

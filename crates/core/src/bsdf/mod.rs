@@ -69,6 +69,17 @@ pub enum TransportMode {
     Importance,
 }
 
+impl TransportMode {
+    /// The mode of a path in the other direction.
+    #[inline]
+    pub const fn reversed(self) -> TransportMode {
+        match self {
+            TransportMode::Radiance => TransportMode::Importance,
+            TransportMode::Importance => TransportMode::Radiance,
+        }
+    }
+}
+
 /// Microfacet distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
@@ -181,6 +192,18 @@ impl Bsdf {
     #[inline]
     pub fn has_delta(&self) -> bool {
         self.first.has_delta() || self.second.is_some_and(|(lobe, _)| lobe.has_delta())
+    }
+
+    /// Whether this is a single Lambert lobe.
+    #[inline]
+    pub(crate) fn is_lambert(&self) -> bool {
+        matches!((&self.first, &self.second), (Lobe::Lambert { .. }, None))
+    }
+
+    /// Whether some lobe is diffuse in part: its value does not vanish towards the horizon.
+    #[inline]
+    pub(crate) fn has_diffuse(&self) -> bool {
+        self.first.has_diffuse() || self.second.is_some_and(|(lobe, _)| lobe.has_diffuse())
     }
 
     /// Whether some lobe changes when the surface is turned about its normal.

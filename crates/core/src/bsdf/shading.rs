@@ -5,7 +5,8 @@ use super::TransportMode;
 /// The factor that a shading normal `ns` beside the geometric normal `ng` puts on `f |cos wi|`, where the cosine is to
 /// `ns`. The arguments are the cosines of `wo` and `wi` to both normals.
 ///
-/// - 0 where a direction is on one side by `ns` and on the other by `ng`: light would leak through the surface;
+/// - 0 where a direction is on one side by `ns` and on the other by `ng`: light would leak through the surface. A path's
+///   vertex folds directions to one side first, so that this happens only below the horizon of a relief's normal;
 /// - 1 for radiance;
 /// - for importance `|wo.ns| |wi.ng| / (|wo.ng| |wi.ns|)` [Veach 1997, eq. 5.19], because on a path from a light `wo`
 ///   is where light comes from, so that the cosine that belongs to `ns` is the other one.
