@@ -8,7 +8,7 @@ use etendue_core::{
     texture::{Bitmap, Interpolation, Texture, Wrap},
 };
 use etendue_tests::{Run, aiming, limit, small::*};
-use glam::{Affine2, DAffine3, DVec3, Mat2, Vec2};
+use glam::{Affine2, DAffine3, DQuat, DVec3, Mat2, Vec2};
 use std::{f64::consts::PI, sync::Arc};
 
 /// Every technique's mean over a spot of the floor is `0.5 / pi` times `irradiance`, within its own standard error.
@@ -178,4 +178,80 @@ fn pictures() {
 #[test]
 fn a_constant_sky() {
     shows("constant sky", &under_sky(lit_floor(1.0, Vec::new()), 0.6), PI * f64::from(0.6f32));
+}
+
+/// Point and spot lights that lie on a surface of any shape, lit steeply and flatly, light what is on either side of it.
+#[test]
+fn lights_on_surfaces() {
+    let from = DVec3::new(0.61, 0.83, 0.17);
+    let to_spot = -from.normalize();
+    let across = to_spot.any_orthonormal_vector();
+    let expected = from.y / from.length().powi(3);
+    let kinds = [
+        DeltaLight::Point { position: from, intensity: Rgb::WHITE },
+        DeltaLight::Spot {
+            position: from,
+            direction: to_spot,
+            intensity: Rgb::WHITE,
+            beam: 0.4,
+            cutoff: 0.5,
+            image: None,
+        },
+    ];
+    // Between the ray to the spot and the surface.
+    for degrees in [1.0f64, 30.0, 90.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let normal = to_spot * sin + across * cos;
+        let turned = DQuat::from_rotation_arc(DVec3::Z, normal);
+        let flat = |size: DVec3| DAffine3::from_scale_rotation_translation(size, turned, from);
+        let behind = from - normal * 0.2;
+        // Along its axis the cylinder is as wide as its diameter, and the light lies beside it.
+        let upright = DQuat::from_rotation_arc(DVec3::Z, normal.any_orthonormal_vector());
+        let shapes = [
+            ("rectangle", ObjectShape::Rectangle, flat(DVec3::splat(0.2))),
+            ("disk", ObjectShape::Disk, flat(DVec3::splat(0.2))),
+            ("edge", ObjectShape::Rectangle, flat(DVec3::splat(0.2)) * DAffine3::from_translation(DVec3::X)),
+            ("sphere", ObjectShape::Sphere { center: behind, radius: 0.2, inverted: false }, DAffine3::IDENTITY),
+            ("cube", ObjectShape::Cube, flat(DVec3::splat(0.1)) * DAffine3::from_translation(DVec3::NEG_Z)),
+            (
+                "cylinder",
+                ObjectShape::Cylinder { from: DVec3::NEG_Z, to: DVec3::Z, radius: 1.0, inverted: false },
+                DAffine3::from_scale_rotation_translation(DVec3::splat(0.2), upright, behind),
+            ),
+        ];
+        for (name, shape, to_world) in shapes {
+            for kind in &kinds {
+                let mut scene = delta_lit_floor(1e-4, kind.clone());
+                scene.objects.push(object("touched", shape.clone(), to_world, 1));
+                shows(&format!("a light on a {name} at {degrees} degrees"), &scene, expected);
+            }
+        }
+    }
+}
+
+/// The same by light tracing, whose particles start at such a light.
+#[test]
+fn particles_leave_lights_on_surfaces() {
+    let light = |position| DeltaLight::Point { position, intensity: Rgb::WHITE };
+    let at = DVec3::new(0.0, 1.3, 0.0);
+    for shape in [ObjectShape::Rectangle, ObjectShape::Disk] {
+        let mut scene = delta_lit_floor(0.8, light(at));
+        let touched = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(0.2),
+            DQuat::from_rotation_arc(DVec3::Z, DVec3::new(0.1, -1.0, 0.2).normalize()),
+            at,
+        );
+        scene.objects.push(object("touched", shape, touched, 1));
+        let run = Run::of(&scene, Filter::Box, 2);
+        let [path, light] = [&etendue_path::INFO, &etendue_bidir::LIGHT].map(|technique| {
+            let mut means = Moments::default();
+            for seed in 0..16 {
+                let image = run.film(technique, seed, 0..256).mean_image();
+                means.push(image.iter().map(|c: &Rgb| f64::from(c.g)).sum::<f64>() / image.len() as f64);
+            }
+            means
+        });
+        let deviation = (light.mean() - path.mean()) / light.standard_error().hypot(path.standard_error());
+        assert!(path.mean() > 0.05 && deviation.abs() < limit(16), "{} {}", light.mean(), path.mean());
+    }
 }

@@ -63,6 +63,16 @@ impl From<&DeltaLight> for Delta {
 }
 
 impl Delta {
+    /// Where it is; `None` at infinity.
+    #[inline]
+    pub fn position(&self) -> Option<Vec3> {
+        match self {
+            Delta::Point { position, .. } | Delta::Spot { position, .. } => Some(*position),
+            Delta::Picture(picture) => Some(picture.position),
+            Delta::Directional { .. } => None,
+        }
+    }
+
     /// Flux in watts, by luminance; a directional light's through a disk of the radius of the world.
     pub fn flux(&self, world_radius: f32) -> f64 {
         match self {

@@ -88,15 +88,17 @@ impl Lights {
             }
             Element::Delta(Delta::Point { position, intensity }) => {
                 let direction = sample_sphere(u_direction);
-                (*position, Vec3::ZERO, direction, direction, *intensity)
+                (self.off_surfaces(element, *position, direction), Vec3::ZERO, direction, direction, *intensity)
             }
             Element::Delta(Delta::Spot { position, intensity, cone }) => {
                 let direction = cone.sample(u_direction);
-                (*position, Vec3::ZERO, direction, direction, *intensity * cone.falloff(direction))
+                let p = self.off_surfaces(element, *position, direction);
+                (p, Vec3::ZERO, direction, direction, *intensity * cone.falloff(direction))
             }
             Element::Delta(Delta::Picture(picture)) => {
                 let direction = picture.sample(u_direction)?;
-                (picture.position, Vec3::ZERO, direction, direction, picture.intensity(direction))
+                let p = self.off_surfaces(element, picture.position, direction);
+                (p, Vec3::ZERO, direction, direction, picture.intensity(direction))
             }
             Element::Delta(Delta::Directional { direction, irradiance }) => {
                 (self.outside(*direction, u_point), Vec3::ZERO, *direction, *direction, *irradiance)

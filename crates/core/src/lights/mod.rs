@@ -13,13 +13,19 @@ mod polar;
 mod resampled;
 mod sky;
 mod textured;
+mod touching;
 
 pub use area::{AreaLight, AreaShape, Emission};
 pub use emission::{EmissionDensity, EmissionSample};
 pub use textured::Coordinates;
 
 use crate::{
-    distribution::AliasTable, geometry::Surface, has, ray::PrimitiveId, rgb::Rgb, scene::DeltaLight,
+    distribution::AliasTable,
+    geometry::{Geometry, Surface},
+    has,
+    ray::PrimitiveId,
+    rgb::Rgb,
+    scene::DeltaLight,
     texture::TexturePoint,
 };
 use area::{AreaPoint, Emitter, PLAIN};
@@ -29,6 +35,7 @@ use glam::{Vec2, Vec3};
 use sky::Sky;
 use std::{f64::consts::PI, sync::Arc};
 use textured::{Textured, overall_mean};
+use touching::Touching;
 
 /// A sphere that bounds something.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +63,8 @@ pub struct Lights {
     /// What some of them emit by.
     textured: Vec<Textured>,
     delta: Vec<Delta>,
+    /// For each of them the surfaces that it lies on; empty where none does.
+    touching: Vec<Touching>,
     sky: Option<Sky>,
     /// Over the elements; `None` when nothing emits.
     choice: Option<AliasTable>,
@@ -123,7 +132,27 @@ impl Lights {
             .collect();
         assert!(weights.len() <= Lights::LIMIT, "too many lights: {}", weights.len());
         let directional = delta.iter().any(|light| matches!(light, Delta::Directional { .. }));
-        Lights { area, textured, delta, sky, choice: AliasTable::new(&weights), world, directional }
+        let touching = Vec::new();
+        Lights { area, textured, delta, touching, sky, choice: AliasTable::new(&weights), world, directional }
+    }
+
+    /// Lets lights without an extent that lie on surfaces of `geometry` shine from there.
+    #[must_use]
+    pub fn on_surfaces(mut self, geometry: &Geometry) -> Lights {
+        let touching =
+            |light: &Delta| light.position().map_or(Touching::default(), |p| Touching::find(p, geometry, self.world));
+        let touching: Vec<Touching> = self.delta.iter().map(touching).collect();
+        self.touching = if touching.iter().any(Touching::any) { touching } else { Vec::new() };
+        self
+    }
+
+    /// The position of a light without an extent, off the surfaces that it lies on, on the side that `towards` is on.
+    #[inline]
+    fn off_surfaces(&self, element: u32, position: Vec3, towards: Vec3) -> Vec3 {
+        match self.touching.get((element as usize).wrapping_sub(self.area.len())) {
+            None => position,
+            Some(touching) => touching.moved(position, towards),
+        }
     }
 
     /// Number of elements.
@@ -210,14 +239,11 @@ impl Lights {
 
     #[inline]
     fn delta_direct(&self, light: &Delta, from: Vec3, choice: f32, element: u32) -> Option<DirectSample> {
-        let position = match light {
-            Delta::Directional { direction, irradiance } => {
-                let sample = self.infinite_direct(from, -*direction, *irradiance, choice, element);
-                return Some(DirectSample { delta: true, ..sample });
-            }
-            Delta::Point { position, .. } | Delta::Spot { position, .. } => *position,
-            Delta::Picture(picture) => picture.position,
-        };
+        if let Delta::Directional { direction, irradiance } = light {
+            let sample = self.infinite_direct(from, -*direction, *irradiance, choice, element);
+            return Some(DirectSample { delta: true, ..sample });
+        }
+        let position = light.position()?;
         let to = position - from;
         let d2 = to.length_squared();
         if d2 == 0.0 {
@@ -237,7 +263,7 @@ impl Lights {
             pdf_w: choice,
             delta: true,
             infinite: false,
-            target: position,
+            target: self.off_surfaces(element, position, -to),
             target_error: Vec3::ZERO,
             target_normal: Vec3::ZERO,
             target_id: PrimitiveId::NONE,
@@ -299,7 +325,8 @@ impl Lights {
         });
         (self.area.capacity() * size_of::<Emitter>()
             + self.textured.capacity() * size_of::<Textured>()
-            + self.delta.capacity() * size_of::<Delta>()) as u64
+            + self.delta.capacity() * size_of::<Delta>()
+            + self.touching.capacity() * size_of::<Touching>()) as u64
             + pictures.sum::<u64>()
             + self.choice.as_ref().map_or(0, AliasTable::memory_bytes)
             + self.sky.as_ref().map_or(0, Sky::table_bytes)

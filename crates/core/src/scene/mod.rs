@@ -143,7 +143,7 @@ impl Scene {
         );
         let world = bounding_sphere(&geometry);
         let delta = description.lights.iter().map(|l| recentre(l.kind.clone(), middle)).collect();
-        let lights = Lights::build(area, delta, description.environment.clone(), world, choice);
+        let lights = Lights::build(area, delta, description.environment.clone(), world, choice).on_surfaces(&geometry);
         let objects = description.objects.iter().chain(description.groups.iter().flat_map(|g| &g.objects));
         Ok(Scene {
             name: description.name.clone(),
