@@ -13,6 +13,7 @@ mod bsdf;
 mod daylight;
 mod document;
 mod emitter;
+mod encoding;
 mod film;
 mod images;
 mod integrator;
@@ -21,6 +22,7 @@ mod parse;
 mod plugin;
 mod sensor;
 mod shape;
+mod spectrum_plugin;
 mod texture;
 mod transform;
 mod tree;
@@ -93,13 +95,13 @@ fn scene<'d>(reader: &Reader<'d>, root: Node<'d>, path: &Path) -> Result<LoadedS
             "shape" => import.shape(node),
             "emitter" => import.emitter(node),
             // They are read where something refers to them.
-            "texture" | "medium" if node.attribute("id").is_some() => Ok(()),
+            "texture" | "spectrum" | "medium" if node.attribute("id").is_some() => Ok(()),
             "alias" => Ok(()),
             other => Err(node.error(format!("<{}> is not supported in a scene", abridged(other)))),
         };
         reader.forgiven(read, "it is left out")?;
     }
-    let integrator = integrator.ok_or_else(|| root.error("the scene has no <integrator>"))?;
+    let integrator = integrator.unwrap_or_else(|| integrator::missing(reader));
     let sensor = sensor.ok_or_else(|| root.error("the scene has no <sensor>"))?;
     let Import { materials, mut description, .. } = import;
     description.materials = materials.finish();

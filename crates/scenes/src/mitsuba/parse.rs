@@ -2,6 +2,7 @@
 
 use super::{
     document::suggestion,
+    encoding,
     tree::{NewAttribute, Tree},
 };
 use crate::{
@@ -64,9 +65,7 @@ impl Parser {
         let bytes = read_file(path, LARGEST_FILE - self.bytes)?;
         self.bytes += bytes.len() as u64;
         self.files += 1;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            Flaw::new(Place::Byte(e.utf8_error().valid_up_to() as u64), "the text is not UTF-8").of(path)
-        })?;
+        let text = encoding::text(bytes).map_err(|flaw| flaw.of(path))?;
         let options = ParsingOptions { nodes_limit: MOST_NODES - self.nodes, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|e| {
             let place = Place::Column(e.pos().row, e.pos().col);

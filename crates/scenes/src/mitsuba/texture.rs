@@ -5,6 +5,7 @@ use super::{
     document::Reader,
     images::{Held, Images},
     plugin::{Meaning, Plugin},
+    spectrum_plugin::{self, is_spectrum},
     tree::Node,
 };
 use crate::error::{LoadError, abridged};
@@ -57,6 +58,8 @@ pub(super) trait Value: Texel + PartialEq {
     const EXCHANGED: bool;
     /// A constant parameter.
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Self>, LoadError>;
+    /// The value, if it lies in a domain.
+    fn within(self, domain: Domain) -> Result<Self, String>;
     /// A colour as such a value; a number is the luminance.
     fn of(color: Rgb) -> Self;
     /// An image of colours as one of such values.
@@ -70,6 +73,13 @@ impl Value for Rgb {
 
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Rgb>, LoadError> {
         if domain == REFLECTANCE { plugin.reflectance(name) } else { plugin.colour(name, domain.meaning) }
+    }
+
+    fn within(self, domain: Domain) -> Result<Rgb, String> {
+        match self.is_within(domain.least, domain.most) {
+            true => Ok(self),
+            false => Err(format!("not from {} to {}", domain.least, domain.most)),
+        }
     }
 
     fn of(color: Rgb) -> Rgb {
@@ -89,18 +99,28 @@ impl Value for f32 {
     const EXCHANGED: bool = true;
 
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<f32>, LoadError> {
-        let Some(value) = plugin.float(name)? else { return Ok(None) };
-        // What is smoother than the core allows is made as smooth as that.
-        let (least, most) = (if domain == ROUGHNESS { 0.0 } else { domain.least }, domain.most);
-        if !(f64::from(least)..=f64::from(most)).contains(&value) {
-            return Err(plugin.error_at(name, format!("the parameter `{name}` is {value}, not from {least} to {most}")));
-        }
+        let value = match plugin.is_coloured(name) {
+            true => plugin.colour(name, domain.meaning)?.map(|color| f64::from(Self::of(color))),
+            false => plugin.float(name)?,
+        };
+        let Some(value) = value else { return Ok(None) };
+        let within = (value as f32).within(domain);
+        let within = within.map_err(|m| plugin.error_at(name, format!("the parameter `{name}` is {value}, {m}")))?;
         if value < f64::from(domain.least) {
             let called = plugin.node.attribute("id").unwrap_or("without an id");
             let message = format!("the BSDF `{called}` is smoother than {name} = {}, which is taken", domain.least);
             plugin.reader.note(message);
         }
-        Ok(Some((value as f32).max(domain.least)))
+        Ok(Some(within))
+    }
+
+    fn within(self, domain: Domain) -> Result<f32, String> {
+        // What is smoother than the core allows is made as smooth as that.
+        let (least, most) = (if domain == ROUGHNESS { 0.0 } else { domain.least }, domain.most);
+        match (least..=most).contains(&self) {
+            true => Ok(self.max(domain.least)),
+            false => Err(format!("not from {least} to {most}")),
+        }
     }
 
     fn of(color: Rgb) -> f32 {
@@ -176,6 +196,11 @@ pub(super) fn texture<'d, T: Value>(
         }
         "mesh_attribute" | "vertexcolors" => attribute(&plugin)?,
         "scale" => scaled(&plugin, domain, depth)?,
+        _ if is_spectrum(node) => {
+            let value = T::of(spectrum_plugin::rgb(reader, node)?);
+            let within = value.within(domain).map_err(|m| node.error(format!("the spectrum is {m}")));
+            return within.map(Texture::Constant);
+        }
         _ => return Err(plugin.unknown_kind(&KINDS)),
     };
     plugin.finish()?;

@@ -47,11 +47,14 @@ fn step(node: Node) -> Result<DAffine3, LoadError> {
             node.allow_attributes(&["origin", "target", "up"])?;
             let origin = attribute(node, "origin", value::vector)?;
             let target = attribute(node, "target", value::vector)?;
-            let placed = match node.attribute("up") {
-                Some(_) => look_at(origin, target, attribute(node, "up", value::vector)?),
-                // Without a way up, any that is not along the view.
-                None => look_at(origin, target, (target - origin).any_orthogonal_vector()),
+            let up = match node.attribute("up") {
+                Some(text) if !text.trim().is_empty() => attribute(node, "up", value::vector)?,
+                _ => DVec3::ZERO,
             };
+            // Without a way up Mitsuba takes the first vector of the basis of [Duff et al. 2017] around the view.
+            let any = |forward: DVec3| forward.any_orthonormal_pair().0;
+            let up = if up == DVec3::ZERO { (target - origin).try_normalize().map(any) } else { Some(up) };
+            let placed = up.and_then(|up| look_at(origin, target, up));
             placed.ok_or_else(|| node.error("origin, target and up do not fix a direction of view"))
         }
         "matrix" => {

@@ -1,5 +1,6 @@
 //! Tests of the crate as a user sees it.
 
+mod accepted;
 mod builtins;
 mod damage;
 mod errors;
