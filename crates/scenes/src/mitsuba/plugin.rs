@@ -271,7 +271,14 @@ impl<'r, 'd> Plugin<'r, 'd> {
             (Value::Spectral(Spectral::Uniform(v)), Meaning::Emission) => uniform_emission(*v),
             (Value::Spectral(Spectral::Uniform(v)), _) => Rgb::splat(*v as f32),
             (Value::Spectral(Spectral::Points(s)), Meaning::Emission) => s.emission(),
-            (Value::Spectral(Spectral::Points(s)), Meaning::Reflectance) => s.reflectance(),
+            (Value::Spectral(Spectral::Points(s)), Meaning::Reflectance) => {
+                if s.most() > 1.0 {
+                    let called = self.node.called();
+                    self.reader
+                        .note(format!("{called}: the spectrum of {name} is above 1 in places; its RGB is at most 1"));
+                }
+                s.reflectance()
+            }
             (Value::Spectral(Spectral::Points(s)), Meaning::Index) => s.index(),
             _ => return Err(self.mistyped(given, "<rgb>, <spectrum> or <float>")),
         };

@@ -15,7 +15,7 @@ use etendue_core::{
 };
 use glam::{Affine2, DAffine3, Mat2, Vec2};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::{cell::Cell, sync::Arc};
 
 const KINDS: [&str; 4] = ["bitmap", "checkerboard", "mesh_attribute", "scale"];
 
@@ -198,8 +198,11 @@ pub(super) fn texture<'d, T: Value>(
         "scale" => scaled(&plugin, domain, depth)?,
         _ if is_spectrum(node) => {
             let value = T::of(spectrum_plugin::rgb(reader, node)?);
-            let within = value.within(domain).map_err(|m| node.error(format!("the spectrum is {m}")));
-            return within.map(Texture::Constant);
+            let within = value.within(domain).map_err(|m| node.error(format!("the spectrum is {m}")))?;
+            if within != value {
+                reader.note(format!("{}: {} stands in for a smaller roughness", node.called(), domain.least));
+            }
+            return Ok(Texture::Constant(within));
         }
         _ => return Err(plugin.unknown_kind(&KINDS)),
     };
@@ -300,13 +303,36 @@ fn scaled<T: Value>(plugin: &Plugin, domain: Domain, depth: usize) -> Result<Tex
     };
     match texture::<T>(plugin.reader, inner, domain, depth + 1)? {
         Texture::VertexColor => Err(plugin.error("vertex colours times a factor are not supported")),
-        inner => Ok(changed(inner, |v| (v * factor).clamp(domain.least, domain.most))),
+        inner => {
+            let moved = Cell::new(false);
+            let scaled = changed(inner, |v| {
+                let within = (v * factor).clamp(domain.least, domain.most);
+                moved.set(moved.get() || within != v * factor);
+                within
+            });
+            if moved.get() {
+                let (called, least, most) = (plugin.node.called(), domain.least, domain.most);
+                plugin.reader.note(format!("{called}: values that are not from {least} to {most} are moved there"));
+            }
+            Ok(scaled)
+        }
     }
 }
 
 /// A texture times a factor.
 pub(super) fn scale_texture(texture: Texture<Rgb>, factor: f32) -> Texture<Rgb> {
     changed(texture, |v| (v * factor).min(f32::MAX))
+}
+
+/// Two textures multiplied, of which one is a constant; none if neither is.
+pub(super) fn product(a: &Texture<f32>, b: &Texture<f32>) -> Option<Texture<f32>> {
+    match (a, b) {
+        (Texture::Constant(_), Texture::VertexColor) | (Texture::VertexColor, Texture::Constant(_)) => None,
+        (Texture::Constant(factor), other) | (other, Texture::Constant(factor)) => {
+            Some(changed(other.clone(), |v| v * factor))
+        }
+        _ => None,
+    }
 }
 
 /// A texture with each component of its values changed; vertex colours stay.

@@ -12,5 +12,6 @@ mod lights;
 mod materials;
 mod meshes;
 mod mitsuba;
+mod ranges;
 mod shared_files;
 mod textures;
