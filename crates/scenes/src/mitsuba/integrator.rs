@@ -70,6 +70,9 @@ fn nested<'d>(reader: &Reader<'d>, node: Node<'d>, level: usize) -> Result<Depth
         reader.note(format!("the integrator `{kind}` has no effect; what is in it is taken"));
         return nested(reader, inner, level + 1);
     }
+    if AROUND.contains(&kind) && !PATHS.contains(&kind) {
+        return Err(plugin.error(format!("the integrator type `{kind}` needs an integrator in it")));
+    }
     if !PATHS.contains(&kind) {
         return Err(plugin.unknown_kind(&["path", "volpath", "direct", "ptracer", "bdpt", "moment", "aov"]));
     }
@@ -87,6 +90,13 @@ fn nested<'d>(reader: &Reader<'d>, node: Node<'d>, level: usize) -> Result<Depth
     if kind == "direct" {
         reader.note("the integrator `direct` is taken as path tracing to depth 2".to_owned());
         return Ok(Depths { max: 2, roulette });
+    }
+    // How the work is split; no matter to the image.
+    for name in ["samples_per_pass", "block_size"] {
+        plugin.integer(name, 0..=most)?;
+    }
+    if plugin.float("timeout")?.is_some_and(|seconds| seconds > 0.0) {
+        reader.note("the integrator's timeout has no effect");
     }
     if kind == "path" {
         // Old files may ask that shading normals agree with geometric ones, as they do here.

@@ -56,10 +56,10 @@ struct Import<'r, 'd> {
 ///
 /// A file that cannot be read, or anything in it that is wrong or not supported.
 pub fn load(path: &Path, options: LoadOptions) -> Result<LoadedScene, LoadError> {
-    let Parser { tree, folders, .. } = Parser::read(path, options.outside_folder)?;
+    let Parser { tree, folders, notes, .. } = Parser::read(path, options.outside_folder)?;
     let reader = Reader::new(&tree, &folders, options)?;
     let mut scene = scene(&reader, tree.node(0), path)?;
-    scene.notes = reader.notes();
+    scene.notes = [notes, reader.notes()].concat();
     Ok(scene)
 }
 
@@ -86,7 +86,10 @@ fn scene<'d>(reader: &Reader<'d>, root: Node<'d>, path: &Path) -> Result<LoadedS
                 integrator = Some(integrator::integrator(reader, node)?);
                 continue;
             }
-            "sensor" if sensor.is_some() => once(true),
+            "sensor" if sensor.is_some() => {
+                reader.note(format!("the sensor in {} is passed over: the first one is taken", node.whereabouts()));
+                continue;
+            }
             "sensor" => {
                 sensor = Some(sensor::sensor(reader, node)?);
                 continue;
@@ -97,6 +100,10 @@ fn scene<'d>(reader: &Reader<'d>, root: Node<'d>, path: &Path) -> Result<LoadedS
             // They are read where something refers to them.
             "texture" | "spectrum" | "medium" if node.attribute("id").is_some() => Ok(()),
             "alias" => Ok(()),
+            "texture" | "spectrum" => {
+                reader.note(format!("the {} is not used: it has no id", node.called()));
+                continue;
+            }
             other => Err(node.error(format!("<{}> is not supported in a scene", abridged(other)))),
         };
         reader.forgiven(read, "it is left out")?;

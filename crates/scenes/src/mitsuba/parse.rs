@@ -29,6 +29,8 @@ const MOST_FILES: usize = 1024;
 pub(super) struct Parser {
     pub(super) tree: Tree,
     pub(super) folders: Folders,
+    /// What a user should know.
+    pub(super) notes: Vec<String>,
     defaults: HashMap<String, Default>,
     /// The files that are being read, outermost first: to meet one again is a circle.
     open: Vec<PathBuf>,
@@ -50,6 +52,7 @@ impl Parser {
         let mut parser = Parser {
             tree: Tree::default(),
             folders,
+            notes: Vec::new(),
             defaults: HashMap::new(),
             open: Vec::new(),
             files: 0,
@@ -154,7 +157,11 @@ impl Parser {
         node.allow_attributes(&["name", "value"])?;
         let (name, value) = (node.required("name")?.to_owned(), node.required("value")?.to_owned());
         match self.defaults.get(&name) {
-            Some(first) if first.file == file => Err(node.error(format!("the default `{name}` is set a second time"))),
+            Some(first) if first.file == file => {
+                let place = node.whereabouts();
+                self.notes.push(format!("the default `{name}` is set a second time in {place}: the first one counts"));
+                Ok(())
+            }
             Some(_) => Ok(()),
             None => {
                 self.defaults.insert(name, Default { value, file });

@@ -119,9 +119,8 @@ impl<'r, 'd> Plugin<'r, 'd> {
             "srgb" => text(&|t| value::srgb(t).map(Value::Colour))?,
             "spectrum" if node.attribute("filename").is_some() => Value::Spectral(self.spectrum_file(node)?),
             "spectrum" => text(&|t| value::spectrum(t).map(Value::Spectral))?,
-            "point" | "vector" if node.attribute("value").is_some() => text(&|t| value::vector(t).map(Value::Vector))?,
             "point" | "vector" => {
-                node.allow_attributes(&["name", "x", "y", "z"])?;
+                node.allow_attributes(&["name", "value", "x", "y", "z"])?;
                 Value::Vector(transform::components(node, 0.0)?)
             }
             "transform" => Value::Transform(transform::transform(node)?),

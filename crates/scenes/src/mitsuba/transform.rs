@@ -84,14 +84,14 @@ fn matrix(node: Node) -> Result<DAffine3, LoadError> {
     }
 }
 
-/// Three numbers by `value` (one number counts for all three of a scale) or by `x`, `y` and `z`, each `default` if missing.
+/// Three numbers by `value` (one counts for all three) or by `x`, `y` and `z`, each `default` if missing.
 pub(super) fn components(node: Node, default: f64) -> Result<DVec3, LoadError> {
     if node.attribute("value").is_some() {
         if let Some(extra) = ["x", "y", "z"].into_iter().find(|name| node.attribute(name).is_some()) {
             return Err(node.error_on(extra, "is given by `value` already"));
         }
         return attribute(node, "value", |text| match value::numbers(text, 3)?.as_slice() {
-            &[v] if node.tag() == "scale" => Ok(DVec3::splat(v)),
+            &[v] => Ok(DVec3::splat(v)),
             _ => value::vector(text),
         });
     }

@@ -46,6 +46,47 @@ fn emitters_that_were_to_be_hidden_are_told() {
 }
 
 #[test]
+fn what_does_not_change_the_image_is_passed_over() {
+    let path =
+        |inner: &str| loaded(&format!("<integrator type=\"path\">{inner}</integrator><sensor type=\"perspective\"/>"));
+    let split = "<integer name=\"samples_per_pass\" value=\"3\"/><integer name=\"block_size\" value=\"32\"/>";
+    assert!(path(split).notes.is_empty());
+    assert_eq!(path("<float name=\"timeout\" value=\"9\"/>").notes, ["the integrator's timeout has no effect"]);
+    let weight = "<float name=\"silhouette_sampling_weight\" value=\"1\"/>";
+    let flat = "<boolean name=\"face_normals\" value=\"true\"/>";
+    let shapes = format!("<shape type=\"sphere\">{weight}</shape><shape type=\"cube\">{flat}</shape>");
+    assert_eq!(described(&shapes).objects.len(), 2);
+    let notes = |inner: &str| Folder::new().scene(inner).notes(STRICT);
+    assert_eq!(
+        notes("<sensor type=\"orthographic\"/>"),
+        ["the sensor in line 2 is passed over: the first one is taken"]
+    );
+    assert_eq!(notes("<texture type=\"checkerboard\"/>"), ["the checkerboard in line 2 is not used: it has no id"]);
+    let twice = "<default name=\"r\" value=\"2\"/><default name=\"r\" value=\"3\"/>\
+                 <shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape>";
+    assert_eq!(notes(twice), ["the default `r` is set a second time in line 2: the first one counts"]);
+    assert!(matches!(described(twice).objects[0].shape, ObjectShape::Sphere { radius, .. } if radius == 2.0));
+}
+
+#[test]
+fn one_number_counts_for_three() {
+    let moved = "<shape type=\"sphere\"><transform name=\"to_world\"><translate value=\"2\"/></transform></shape>";
+    assert_eq!(described(moved).objects[0].to_world.translation, DVec3::splat(2.0));
+    let placed = "<shape type=\"sphere\"><point name=\"center\" value=\"3\"/></shape>";
+    assert!(
+        matches!(described(placed).objects[0].shape, ObjectShape::Sphere { center, .. } if center == DVec3::splat(3.0))
+    );
+}
+
+#[test]
+fn merged_shapes_are_shapes() {
+    let merge = |inner: &str| format!("<shape type=\"merge\"><shape type=\"cube\"/>{inner}</shape>");
+    assert_eq!(described(&merge("<shape type=\"sphere\"/>")).objects.len(), 2);
+    let nested = merge(&merge(""));
+    assert!(flaw(&nested).ends_with("a `merge` inside another is not supported"), "{}", flaw(&nested));
+}
+
+#[test]
 fn words_of_truth_in_either_case() {
     let ball = |value| format!("<shape type=\"sphere\"><boolean name=\"flip_normals\" value=\"{value}\"/></shape>");
     for (value, truth) in [("True", true), ("TRUE", true), ("true", true), ("False", false), ("FALSE", false)] {

@@ -69,7 +69,7 @@ fn places_in_scene_files() {
         (
             "<shape type=\"rectangl\"/>",
             "4:14: the shape type `rectangl` is not supported (did you mean `rectangle`?); supported: rectangle, cube, \
-             sphere, disk, cylinder, obj, ply, serialized, shapegroup, instance",
+             sphere, disk, cylinder, obj, ply, serialized, shapegroup, instance, merge",
         ),
         (
             "<shape type=\"sphere\">\n  <float name=\"radios\" value=\"1\"/>\n</shape>",
@@ -155,10 +155,6 @@ fn places_in_scene_files() {
         ("<medium type=\"homogeneous\"/>", "4:1: <medium> is not supported in a scene"),
         ("<shape type=\"cube\">stray</shape>", "4:20: the text `stray` has no meaning here"),
         ("<shape type=\"$kind\"/>", "4:14: `$kind` has no <default> before it"),
-        (
-            "<default name=\"a\" value=\"1\"/>\n<default name=\"a\" value=\"2\"/>",
-            "5:1: the default `a` is set a second time",
-        ),
         (
             "<shape type=\"cube\"><transform name=\"to_world\"><scale x=\"0\"/></transform></shape>",
             "4:20: the transform flattens space: it has no inverse",
