@@ -74,7 +74,7 @@ fn places_in_scene_files() {
         (
             "<shape type=\"sphere\">\n  <float name=\"radios\" value=\"1\"/>\n</shape>",
             "5:16: the shape type `sphere` has no parameter `radios` (did you mean `radius`?); it has center, \
-             flip_normals, radius, to_world",
+             flip_normals, radius, silhouette_sampling_weight, to_world",
         ),
         (
             "<shape type=\"cube\"><float name=\"radius\" value=\"1\"/></shape>",
