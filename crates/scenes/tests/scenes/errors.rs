@@ -78,7 +78,8 @@ fn places_in_scene_files() {
         ),
         (
             "<shape type=\"cube\"><float name=\"radius\" value=\"1\"/></shape>",
-            "4:33: the shape type `cube` has no parameter `radius`; it has flip_normals, to_world",
+            "4:33: the shape type `cube` has no parameter `radius`; it has face_normals, flip_normals, \
+             silhouette_sampling_weight, to_world",
         ),
         ("<shape type=\"sphere\"><float name=\"radius\" value=\"1e400\"/></shape>", "4:50: `1e400` is not finite"),
         (
