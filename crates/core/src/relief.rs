@@ -29,6 +29,9 @@ pub enum Relief {
         /// Where y is.
         bitangent: Bitangent,
     },
+    /// One relief for both sides: a dent of the front is a bump of the back, even of a surface whose back scatters as its front
+    /// does and would have the mirror image.
+    Sheet(Box<Relief>),
 }
 
 /// Where the second component of a normal map points.
@@ -65,6 +68,7 @@ impl Relief {
                 let across = if mirrored { -across } else { across };
                 (tangent * local.x + across * local.y + n * local.z).try_normalize()
             }
+            Relief::Sheet(relief) => relief.normal(surface),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 mod sampling;
 
-use etendue_core::camera::{Camera, CameraDescription, CameraError, Projection};
-use glam::{DAffine3, DMat3, DVec3, UVec2, Vec2, Vec3};
+use etendue_core::camera::{Camera, CameraDescription, CameraError, Crop, Projection};
+use glam::{DAffine3, DMat3, DVec2, DVec3, UVec2, Vec2, Vec3};
 use sampling::{Moments, Random, chi_square};
 use std::f64::consts::PI;
 
@@ -33,6 +33,31 @@ fn thin_lens(aperture_radius: f64) -> Projection {
 #[track_caller]
 fn close(a: Vec3, b: [f32; 3]) {
     assert!((a - Vec3::from(b)).length() < 1e-5, "{a} instead of {b:?}");
+}
+
+/// Slopes of Mitsuba 3.9.1 (`sensor.sample_ray`) for the `perspective` sensor with the principal point offset by (0.2, 0.1).
+#[test]
+fn rays_off_the_axis_agree_with_mitsuba() {
+    let projection = Projection::OffAxis { fov_x: 90f64.to_radians(), offset: DVec2::new(0.2, 0.1) };
+    let cropped = Crop { offset: UVec2::new(3, 2), size: UVec2::new(10, 6) };
+    let whole = Crop { offset: UVec2::ZERO, size: UVec2::new(20, 10) };
+    for (crop, share, slope) in [
+        (whole, 0.5, [-0.4, -0.1]),
+        (whole, 0.0, [0.6, 0.4]),
+        (whole, 1.0, [-1.4, -0.6]),
+        (cropped, 0.5, [-0.2, -0.1]),
+        (cropped, 0.0, [0.3, 0.2]),
+        (cropped, 1.0, [-0.7, -0.4]),
+    ] {
+        let resolution = UVec2::new(20, 10);
+        let description = CameraDescription { projection, to_world: DAffine3::IDENTITY, resolution, crop: Some(crop) };
+        let camera = Camera::new(&description, DVec3::ZERO).unwrap();
+        let film = crop.size.as_vec2() * share;
+        let direction = camera.sample_ray(film, Vec2::ZERO).direction;
+        close(direction / direction.z, [slope[0], slope[1], 1.0]);
+        let back = camera.film_position(Vec3::ZERO, direction).unwrap();
+        assert!((back - film).length() < 1e-4, "{back} {film}");
+    }
 }
 
 /// Directions of Mitsuba 3.9.1 (`scalar_rgb`, `sensor.sample_ray`) for the `perspective` sensor with the look_at above.
@@ -272,6 +297,9 @@ fn invalid_cameras_are_refused() {
         crop: None,
     };
     let error = |d: &CameraDescription| Camera::new(d, DVec3::ZERO).expect_err("it is not valid");
+    let offset = DVec2::new(0.0, f64::MAX);
+    let projection = Projection::OffAxis { fov_x: 1.0, offset };
+    assert_eq!(error(&CameraDescription { projection, ..valid.clone() }), CameraError::Offset(offset));
     let empty = UVec2::new(0, 48);
     assert_eq!(error(&CameraDescription { resolution: empty, ..valid.clone() }), CameraError::Resolution(empty));
     for fov_x in [0.0, -1.0, PI, 4.0, f64::NAN, f64::INFINITY] {

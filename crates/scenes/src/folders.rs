@@ -40,20 +40,21 @@ impl Folders {
     /// The place of a file.
     pub(crate) fn find(&self, name: &str) -> Result<PathBuf, String> {
         let name = name.replace('\\', "/");
-        if !self.outside && leaves(Path::new(&name)) {
-            return Err(outside("file", &name));
-        }
         let mut failure = None;
         for folder in &self.search {
-            match folder.join(&name).canonicalize() {
-                // The name itself stays inside; a link on its way might not.
-                Ok(real) if !self.outside && !real.starts_with(&self.scene) => return Err(outside("file", &name)),
-                Ok(real) => return Ok(real),
-                Err(e) => failure = Some(e),
+            let path = folder.join(&name);
+            match path.canonicalize() {
+                Ok(real) if self.outside || real.starts_with(&self.scene) => return Ok(real),
+                // Links are followed first: what counts is where the file really lies.
+                Ok(_) => return Err(outside("file", &name)),
+                Err(e) if self.outside || without_dots(&path).starts_with(&self.scene) => {
+                    failure = Some(format!("cannot read the file `{}`: {e}", abridged(&name)));
+                }
+                // The same answer whether or not there is such a file, so that nobody can ask for it.
+                Err(_) => failure = Some(outside("file", &name)),
             }
         }
-        let reason = failure.map(|e| format!(": {e}")).unwrap_or_default();
-        Err(format!("cannot read the file `{}`{reason}", abridged(&name)))
+        Err(failure.unwrap_or_else(|| outside("file", &name)))
     }
 }
 
@@ -62,16 +63,16 @@ fn outside(what: &str, name: &str) -> String {
     format!("the {what} `{name}` lies outside of the scene's folder, which is refused without --allow-outside")
 }
 
-/// Whether a name leads out of the folder in which it is looked up.
-fn leaves(name: &Path) -> bool {
-    let mut depth = 0i64;
-    name.components().any(|component| {
-        depth += match component {
-            Component::Normal(_) => 1,
-            Component::CurDir => 0,
-            Component::ParentDir => -1,
-            Component::RootDir | Component::Prefix(_) => return true,
-        };
-        depth < 0
-    })
+/// The path with each `..` taken back, as far as its text tells.
+fn without_dots(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::ParentDir => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
 }

@@ -4,7 +4,7 @@ mod runtime;
 pub(crate) use runtime::unit_axes;
 pub use runtime::{Camera, CameraError, CameraSample};
 
-use glam::{DAffine3, UVec2};
+use glam::{DAffine3, DVec2, UVec2};
 
 /// A camera as a scene describes it.
 #[derive(Clone, Debug)]
@@ -43,6 +43,13 @@ pub enum Projection {
     Perspective {
         /// Full horizontal field of view, radians, in (0, pi).
         fov_x: f64,
+    },
+    /// A pinhole whose axis does not meet the middle of the film.
+    OffAxis {
+        /// Full horizontal field of view, radians, in (0, pi), of a film of the same size around the axis.
+        fov_x: f64,
+        /// From the point of the film that the axis meets to the film's middle, in widths to the right and heights down.
+        offset: DVec2,
     },
     /// A thin lens, focused on a plane.
     ThinLens {

@@ -2,7 +2,7 @@
 
 use super::{CameraDescription, Crop, Projection};
 use crate::{ray::Ray, warp::sample_disk};
-use glam::{DMat3, DVec3, UVec2, Vec2, Vec3};
+use glam::{DMat3, DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::f64::consts::PI;
 use thiserror::Error;
 
@@ -15,6 +15,9 @@ pub enum CameraError {
     /// The field of view is not between 0 and pi.
     #[error("the camera's horizontal field of view is {0} radians, not between 0 and pi")]
     FieldOfView(f64),
+    /// The offset of the film's middle from the axis is not finite.
+    #[error("the camera's film lies ({}, {}) sizes off its axis, which is not finite in single precision", .0.x, .0.y)]
+    Offset(DVec2),
     /// The crop is empty or does not lie within the film.
     #[error("the camera's crop of {} x {} pixels from ({}, {}) is not a part of its film of {} x {}", .crop.size.x, .crop.size.y, .crop.offset.x, .crop.offset.y, .film.x, .film.y)]
     Crop {
@@ -109,7 +112,9 @@ impl Camera {
             return Err(CameraError::Transform("not finite"));
         }
         let half_width = match projection {
-            Projection::Perspective { fov_x } | Projection::ThinLens { fov_x, .. } => {
+            Projection::Perspective { fov_x }
+            | Projection::OffAxis { fov_x, .. }
+            | Projection::ThinLens { fov_x, .. } => {
                 if !(fov_x > 0.0 && fov_x < PI) {
                     return Err(CameraError::FieldOfView(fov_x));
                 }
@@ -118,7 +123,7 @@ impl Camera {
             Projection::Orthographic { width } => 0.5 * positive("width", width)?,
         };
         let lens = match projection {
-            Projection::Perspective { .. } => Lens::Pinhole,
+            Projection::Perspective { .. } | Projection::OffAxis { .. } => Lens::Pinhole,
             Projection::ThinLens { aperture_radius, focus_distance, .. } => {
                 let radius = positive("aperture radius", aperture_radius)?;
                 let focus_distance = positive("focus distance", focus_distance)? as f32;
@@ -127,9 +132,16 @@ impl Camera {
             }
             Projection::Orthographic { .. } => Lens::Parallel,
         };
+        let mut middle = 0.5 * resolution.as_vec2() - offset.as_vec2();
+        if let Projection::OffAxis { offset, .. } = projection {
+            middle -= (offset * resolution.as_dvec2()).as_vec2();
+            if !middle.is_finite() {
+                return Err(CameraError::Offset(offset));
+            }
+        }
         Ok(Camera {
             resolution: description.film_size(),
-            middle: 0.5 * resolution.as_vec2() - offset.as_vec2(),
+            middle,
             position: position.as_vec3(),
             left: axes.x_axis.as_vec3(),
             up: axes.y_axis.as_vec3(),

@@ -92,12 +92,17 @@ impl Counter {
                 self.material(material);
             }
             Material::Relief { relief, material } => {
-                match relief {
-                    Relief::Bump { height, .. } => self.texture(height),
-                    Relief::NormalMap { normals, .. } => self.texture(normals),
-                }
+                self.relief(relief);
                 self.material(material);
             }
+        }
+    }
+
+    fn relief(&mut self, relief: &Relief) {
+        match relief {
+            Relief::Bump { height, .. } => self.texture(height),
+            Relief::NormalMap { normals, .. } => self.texture(normals),
+            Relief::Sheet(relief) => self.relief(relief),
         }
     }
 

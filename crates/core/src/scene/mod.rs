@@ -254,7 +254,8 @@ impl Scene {
             return None;
         }
         let relief = self.materials[self.shapes[surface.shape as usize].material as usize].relief.as_ref()?;
-        Tilt::new(surface.ns, relief.normal(surface)?, bsdf.has_opaque_back())
+        let mirrored = bsdf.has_opaque_back() && !matches!(relief, Relief::Sheet(_));
+        Tilt::new(surface.ns, relief.normal(surface)?, mirrored)
     }
 
     /// What absorbs on the side of a surface that the direction `w` is on; nothing outside.

@@ -171,19 +171,24 @@ fn check_material(material: &Material) -> Result<(), Problem> {
             check_member(material)
         }
         Material::Relief { relief, material } => {
-            match relief {
-                Relief::Bump { height, scale } => {
-                    check_texture_between("height", height, (f32::MIN, f32::MAX))?;
-                    check_texture_between("scale of the height", &(*scale).into(), (f32::MIN, f32::MAX))?;
-                }
-                Relief::NormalMap { normals, .. } => check_texture("normal", normals, 1.0)?,
-            }
+            check_relief(relief)?;
             // Of what a relief is on, the frame is one; so it stands outside everything else.
             if matches!(**material, Material::Relief { .. }) {
                 return Err(Problem::NestedRelief);
             }
             check_material(material)
         }
+    }
+}
+
+fn check_relief(relief: &Relief) -> Result<(), Problem> {
+    match relief {
+        Relief::Bump { height, scale } => {
+            check_texture_between("height", height, (f32::MIN, f32::MAX))?;
+            check_texture_between("scale of the height", &(*scale).into(), (f32::MIN, f32::MAX))
+        }
+        Relief::NormalMap { normals, .. } => check_texture("normal", normals, 1.0),
+        Relief::Sheet(relief) => check_relief(relief),
     }
 }
 

@@ -30,17 +30,27 @@ pub(super) fn area_radiance<'d>(reader: &Reader<'d>, node: Node<'d>) -> Result<T
         return Err(plugin.unknown_kind(&["area"]));
     }
     let radiance = plugin.texture_or("radiance", EMISSION, Rgb::WHITE)?;
-    // A way of sampling only; the image is the same.
-    plugin.float("sampling_weight")?;
+    pass_over_sampling_weight(&plugin)?;
     plugin.finish()?;
     Ok(radiance)
+}
+
+/// A way of sampling only; the image is the same, but for a weight of 0.
+fn pass_over_sampling_weight(plugin: &Plugin) -> Result<(), LoadError> {
+    if plugin.not_negative("sampling_weight")? == Some(0.0) {
+        let called = plugin.node.called();
+        plugin.reader.note(format!(
+            "{called}: its sampling_weight of 0 has no effect, though Mitsuba never samples such a light"
+        ));
+    }
+    Ok(())
 }
 
 impl<'d> Import<'_, 'd> {
     /// Adds a light that stands in the scene by itself.
     pub(super) fn emitter(&mut self, node: Node<'d>) -> Result<(), LoadError> {
         let plugin = Plugin::new(self.reader, node)?;
-        plugin.float("sampling_weight")?;
+        pass_over_sampling_weight(&plugin)?;
         match plugin.kind {
             // It shines from the shape that refers to it.
             "area" if node.attribute("id").is_some() => return Ok(()),

@@ -10,6 +10,9 @@ const LARGEST_SIDE: i64 = 1 << 16;
 /// The most pixels of a film.
 const MOST_PIXELS: i64 = 1 << 28;
 
+/// The standard deviation of Mitsuba's own filter, pixels.
+const DEFAULT_STDDEV: f32 = 0.5;
+
 /// What a film says.
 pub(super) struct Film {
     pub(super) resolution: UVec2,
@@ -19,7 +22,7 @@ pub(super) struct Film {
 
 impl Default for Film {
     fn default() -> Film {
-        Film { resolution: UVec2::new(768, 576), crop: None, filter: Filter::Gaussian { stddev: 0.5 } }
+        Film { resolution: UVec2::new(768, 576), crop: None, filter: Filter::Gaussian { stddev: DEFAULT_STDDEV } }
     }
 }
 
@@ -90,8 +93,20 @@ fn rfilter(plugin: &Plugin) -> Result<Filter, LoadError> {
             Filter::Box
         }
         "tent" => Filter::Tent { radius: plugin.positive("radius")?.unwrap_or(1.0) as f32 },
-        "gaussian" => Filter::Gaussian { stddev: plugin.positive("stddev")?.unwrap_or(0.5) as f32 },
-        _ => return Err(plugin.unknown_kind(&["box", "tent", "gaussian"])),
+        "gaussian" => Filter::Gaussian { stddev: plugin.positive("stddev")?.map_or(DEFAULT_STDDEV, |s| s as f32) },
+        "mitchell" | "catmullrom" | "lanczos" => {
+            for name in ["b", "c", "lobes"] {
+                plugin.float(name)?;
+            }
+            let note = format!(
+                "the filter `{}` is negative in places, which pixels that are filtered by sampling cannot be: a Gaussian of \
+                 standard deviation {DEFAULT_STDDEV} stands in for it",
+                plugin.kind
+            );
+            plugin.reader.note(note);
+            Filter::Gaussian { stddev: DEFAULT_STDDEV }
+        }
+        _ => return Err(plugin.unknown_kind(&["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"])),
     };
     plugin.finish()?;
     Ok(filter)

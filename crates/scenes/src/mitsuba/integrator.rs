@@ -52,6 +52,12 @@ pub(super) fn integrator<'d>(reader: &Reader<'d>, node: Node<'d>) -> Result<Dept
     Ok(reader.forgiven(read, "path tracing without a bound is taken")?.unwrap_or(DEFAULT))
 }
 
+/// What stands in for an integrator that a file does not have: Mitsuba's own.
+pub(super) fn missing(reader: &Reader) -> Depths {
+    reader.note("the scene has no integrator: path tracing without a bound is taken");
+    DEFAULT
+}
+
 fn nested<'d>(reader: &Reader<'d>, node: Node<'d>, level: usize) -> Result<Depths, LoadError> {
     if level == DEEPEST {
         return Err(node.error(format!("integrators are nested more than {DEEPEST} deep")));
@@ -63,6 +69,9 @@ fn nested<'d>(reader: &Reader<'d>, node: Node<'d>, level: usize) -> Result<Depth
     {
         reader.note(format!("the integrator `{kind}` has no effect; what is in it is taken"));
         return nested(reader, inner, level + 1);
+    }
+    if AROUND.contains(&kind) && !PATHS.contains(&kind) {
+        return Err(plugin.error(format!("the integrator type `{kind}` needs an integrator in it")));
     }
     if !PATHS.contains(&kind) {
         return Err(plugin.unknown_kind(&["path", "volpath", "direct", "ptracer", "bdpt", "moment", "aov"]));
@@ -76,12 +85,18 @@ fn nested<'d>(reader: &Reader<'d>, node: Node<'d>, level: usize) -> Result<Depth
     };
     let roulette = plugin.integer("rr_depth", 1..=most)?.map_or(DEFAULT.roulette, |depth| depth as u32);
     if plugin.boolean("hide_emitters")? == Some(true) {
-        let error = plugin.error_at("hide_emitters", "hidden emitters are not supported");
-        reader.forgive(error, "they are seen")?;
+        reader.note("the integrator's hide_emitters has no effect: the camera sees emitters and the environment");
     }
     if kind == "direct" {
         reader.note("the integrator `direct` is taken as path tracing to depth 2".to_owned());
         return Ok(Depths { max: 2, roulette });
+    }
+    // How the work is split; no matter to the image.
+    for name in ["samples_per_pass", "block_size"] {
+        plugin.integer(name, 0..=most)?;
+    }
+    if plugin.float("timeout")?.is_some_and(|seconds| seconds > 0.0) {
+        reader.note("the integrator's timeout has no effect");
     }
     if kind == "path" {
         // Old files may ask that shading normals agree with geometric ones, as they do here.

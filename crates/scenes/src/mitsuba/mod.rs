@@ -13,6 +13,7 @@ mod bsdf;
 mod daylight;
 mod document;
 mod emitter;
+mod encoding;
 mod film;
 mod images;
 mod integrator;
@@ -21,6 +22,7 @@ mod parse;
 mod plugin;
 mod sensor;
 mod shape;
+mod spectrum_plugin;
 mod texture;
 mod transform;
 mod tree;
@@ -54,10 +56,10 @@ struct Import<'r, 'd> {
 ///
 /// A file that cannot be read, or anything in it that is wrong or not supported.
 pub fn load(path: &Path, options: LoadOptions) -> Result<LoadedScene, LoadError> {
-    let Parser { tree, folders, .. } = Parser::read(path, options.outside_folder)?;
+    let Parser { tree, folders, notes, .. } = Parser::read(path, options.outside_folder)?;
     let reader = Reader::new(&tree, &folders, options)?;
     let mut scene = scene(&reader, tree.node(0), path)?;
-    scene.notes = reader.notes();
+    scene.notes = [notes, reader.notes()].concat();
     Ok(scene)
 }
 
@@ -84,7 +86,10 @@ fn scene<'d>(reader: &Reader<'d>, root: Node<'d>, path: &Path) -> Result<LoadedS
                 integrator = Some(integrator::integrator(reader, node)?);
                 continue;
             }
-            "sensor" if sensor.is_some() => once(true),
+            "sensor" if sensor.is_some() => {
+                reader.note(format!("the sensor in {} is passed over: the first one is taken", node.whereabouts()));
+                continue;
+            }
             "sensor" => {
                 sensor = Some(sensor::sensor(reader, node)?);
                 continue;
@@ -93,13 +98,17 @@ fn scene<'d>(reader: &Reader<'d>, root: Node<'d>, path: &Path) -> Result<LoadedS
             "shape" => import.shape(node),
             "emitter" => import.emitter(node),
             // They are read where something refers to them.
-            "texture" | "medium" if node.attribute("id").is_some() => Ok(()),
+            "texture" | "spectrum" | "medium" if node.attribute("id").is_some() => Ok(()),
             "alias" => Ok(()),
+            "texture" | "spectrum" => {
+                reader.note(format!("the {} is not used: it has no id", node.called()));
+                continue;
+            }
             other => Err(node.error(format!("<{}> is not supported in a scene", abridged(other)))),
         };
         reader.forgiven(read, "it is left out")?;
     }
-    let integrator = integrator.ok_or_else(|| root.error("the scene has no <integrator>"))?;
+    let integrator = integrator.unwrap_or_else(|| integrator::missing(reader));
     let sensor = sensor.ok_or_else(|| root.error("the scene has no <sensor>"))?;
     let Import { materials, mut description, .. } = import;
     description.materials = materials.finish();

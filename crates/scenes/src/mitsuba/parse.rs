@@ -2,6 +2,7 @@
 
 use super::{
     document::suggestion,
+    encoding,
     tree::{NewAttribute, Tree},
 };
 use crate::{
@@ -28,6 +29,8 @@ const MOST_FILES: usize = 1024;
 pub(super) struct Parser {
     pub(super) tree: Tree,
     pub(super) folders: Folders,
+    /// What a user should know.
+    pub(super) notes: Vec<String>,
     defaults: HashMap<String, Default>,
     /// The files that are being read, outermost first: to meet one again is a circle.
     open: Vec<PathBuf>,
@@ -49,6 +52,7 @@ impl Parser {
         let mut parser = Parser {
             tree: Tree::default(),
             folders,
+            notes: Vec::new(),
             defaults: HashMap::new(),
             open: Vec::new(),
             files: 0,
@@ -64,9 +68,7 @@ impl Parser {
         let bytes = read_file(path, LARGEST_FILE - self.bytes)?;
         self.bytes += bytes.len() as u64;
         self.files += 1;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            Flaw::new(Place::Byte(e.utf8_error().valid_up_to() as u64), "the text is not UTF-8").of(path)
-        })?;
+        let text = encoding::text(bytes).map_err(|flaw| flaw.of(path))?;
         let options = ParsingOptions { nodes_limit: MOST_NODES - self.nodes, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|e| {
             let place = Place::Column(e.pos().row, e.pos().col);
@@ -155,7 +157,11 @@ impl Parser {
         node.allow_attributes(&["name", "value"])?;
         let (name, value) = (node.required("name")?.to_owned(), node.required("value")?.to_owned());
         match self.defaults.get(&name) {
-            Some(first) if first.file == file => Err(node.error(format!("the default `{name}` is set a second time"))),
+            Some(first) if first.file == file => {
+                let place = node.whereabouts();
+                self.notes.push(format!("the default `{name}` is set a second time in {place}: the first one counts"));
+                Ok(())
+            }
             Some(_) => Ok(()),
             None => {
                 self.defaults.insert(name, Default { value, file });

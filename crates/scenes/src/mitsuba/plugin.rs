@@ -2,7 +2,7 @@
 
 use super::{
     document::{Reader, suggestion},
-    transform,
+    spectrum_plugin, transform,
     tree::Node,
     value::{self, Spectral},
 };
@@ -75,6 +75,13 @@ pub(super) enum Meaning {
     Index,
 }
 
+impl Nested<'_> {
+    /// Whether it is an element of a kind; a spectrum is a texture that is the same everywhere.
+    fn is(&self, tag: &str) -> bool {
+        self.node.tag() == tag || tag == "texture" && self.node.tag() == "spectrum"
+    }
+}
+
 impl<'r, 'd> Plugin<'r, 'd> {
     /// Reads the element and its parameters.
     pub(super) fn new(reader: &'r Reader<'d>, node: Node<'d>) -> Result<Plugin<'r, 'd>, LoadError> {
@@ -88,6 +95,9 @@ impl<'r, 'd> Plugin<'r, 'd> {
                 let node = if tag == "ref" { reader.referenced(child)? } else { child };
                 let name = child.attribute("name").map(value::snake_case);
                 plugin.nested.push(Nested { node, place: child, name, used: Cell::new(false) });
+            } else if tag == "spectrum" && child.attribute("type").is_some() {
+                let name = child.attribute("name").map(value::snake_case);
+                plugin.nested.push(Nested { node: child, place: child, name, used: Cell::new(false) });
             } else if let Err(error) = plugin.add_parameter(child) {
                 reader.forgive(error, "it is passed over")?;
             }
@@ -108,13 +118,9 @@ impl<'r, 'd> Plugin<'r, 'd> {
             "rgb" => text(&|t| value::colour(t).map(Value::Colour))?,
             "srgb" => text(&|t| value::srgb(t).map(Value::Colour))?,
             "spectrum" if node.attribute("filename").is_some() => Value::Spectral(self.spectrum_file(node)?),
-            "spectrum" if node.attribute("type").is_some() => {
-                return Err(node.error_in("type", "a spectrum of a type is not supported; give it a `value`"));
-            }
             "spectrum" => text(&|t| value::spectrum(t).map(Value::Spectral))?,
-            "point" | "vector" if node.attribute("value").is_some() => text(&|t| value::vector(t).map(Value::Vector))?,
             "point" | "vector" => {
-                node.allow_attributes(&["name", "x", "y", "z"])?;
+                node.allow_attributes(&["name", "value", "x", "y", "z"])?;
                 Value::Vector(transform::components(node, 0.0)?)
             }
             "transform" => Value::Transform(transform::transform(node)?),
@@ -252,7 +258,7 @@ impl<'r, 'd> Plugin<'r, 'd> {
 
     /// A colour, by `<rgb>` or `<spectrum>`, or as a grey by `<float>`.
     pub(super) fn colour(&self, name: &'static str, meaning: Meaning) -> Result<Option<Rgb>, LoadError> {
-        let Some(given) = self.get(name) else { return Ok(None) };
+        let Some(given) = self.get(name) else { return self.nested_spectrum(name) };
         let colour = match (&given.value, meaning) {
             (Value::Colour(v), _) => *v,
             (Value::Float(v), _) => {
@@ -264,7 +270,14 @@ impl<'r, 'd> Plugin<'r, 'd> {
             (Value::Spectral(Spectral::Uniform(v)), Meaning::Emission) => uniform_emission(*v),
             (Value::Spectral(Spectral::Uniform(v)), _) => Rgb::splat(*v as f32),
             (Value::Spectral(Spectral::Points(s)), Meaning::Emission) => s.emission(),
-            (Value::Spectral(Spectral::Points(s)), Meaning::Reflectance) => s.reflectance(),
+            (Value::Spectral(Spectral::Points(s)), Meaning::Reflectance) => {
+                if s.most() > 1.0 {
+                    let called = self.node.called();
+                    self.reader
+                        .note(format!("{called}: the spectrum of {name} is above 1 in places; its RGB is at most 1"));
+                }
+                s.reflectance()
+            }
             (Value::Spectral(Spectral::Points(s)), Meaning::Index) => s.index(),
             _ => return Err(self.mistyped(given, "<rgb>, <spectrum> or <float>")),
         };
@@ -272,6 +285,21 @@ impl<'r, 'd> Plugin<'r, 'd> {
             true => Ok(Some(colour)),
             false => Err(self.error_at(name, format!("the parameter `{name}` is beyond single precision"))),
         }
+    }
+
+    /// Whether a parameter is given as a colour.
+    pub(super) fn is_coloured(&self, name: &str) -> bool {
+        self.parameters.iter().any(|p| p.name == name && matches!(p.value, Value::Colour(_)))
+    }
+
+    /// A colour by a `<spectrum>` of a type.
+    fn nested_spectrum(&self, name: &str) -> Result<Option<Rgb>, LoadError> {
+        let named = |n: &&Nested| n.is("texture") && n.name.as_deref() == Some(name);
+        let spectrum = self.nested.iter().find(named).filter(|n| spectrum_plugin::is_spectrum(n.node));
+        spectrum.map_or(Ok(None), |nested| {
+            nested.used.set(true);
+            spectrum_plugin::rgb(self.reader, nested.node).map(Some)
+        })
     }
 
     /// A colour with components of at most 1.
@@ -315,7 +343,7 @@ impl<'r, 'd> Plugin<'r, 'd> {
 
     /// The nested elements of a kind (`bsdf`, `emitter` ...), each with the place where it is nested or referred to.
     pub(super) fn nested(&self, tag: &str) -> Vec<(Node<'d>, Node<'d>)> {
-        let matching = self.nested.iter().filter(|n| n.node.tag() == tag);
+        let matching = self.nested.iter().filter(|n| n.is(tag));
         matching
             .map(|n| {
                 n.used.set(true);
@@ -340,7 +368,7 @@ impl<'r, 'd> Plugin<'r, 'd> {
         if tag != "medium" {
             self.asked.borrow_mut().push(name);
         }
-        let found = self.nested.iter().find(|n| n.node.tag() == tag && n.name.as_deref() == Some(name))?;
+        let found = self.nested.iter().find(|n| n.is(tag) && n.name.as_deref() == Some(name))?;
         found.used.set(true);
         Some(found.node)
     }

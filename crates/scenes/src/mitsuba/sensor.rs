@@ -12,7 +12,7 @@ use etendue_core::{
     camera::{CameraDescription, Projection},
     filter::Filter,
 };
-use glam::DAffine3;
+use glam::{DAffine3, DVec2};
 
 /// Samplers other than `independent`, of which the number of samples is taken.
 const SAMPLERS: [&str; 7] =
@@ -42,7 +42,12 @@ pub(super) fn sensor<'d>(reader: &Reader<'d>, node: Node<'d>) -> Result<Sensor, 
         "perspective" => {
             // It matters to a lens only.
             plugin.positive("focus_distance")?;
-            Projection::Perspective { fov_x: fov_x(&plugin, aspect)? }
+            let offset = |name| plugin.float(name).map(|v| v.unwrap_or(0.0));
+            let offset = DVec2::new(offset("principal_point_offset_x")?, offset("principal_point_offset_y")?);
+            match fov_x(&plugin, aspect)? {
+                fov_x if offset == DVec2::ZERO => Projection::Perspective { fov_x },
+                fov_x => Projection::OffAxis { fov_x, offset },
+            }
         }
         "thinlens" => {
             let aperture_radius = plugin.positive("aperture_radius")?;
@@ -81,10 +86,9 @@ pub(super) fn sensor<'d>(reader: &Reader<'d>, node: Node<'d>) -> Result<Sensor, 
             reader.note(format!("the sensor's {name} has no effect: nothing is clipped"));
         }
     }
-    for name in ["principal_point_offset_x", "principal_point_offset_y", "shutter_open", "shutter_close"] {
+    for name in ["shutter_open", "shutter_close"] {
         if plugin.float(name)?.is_some_and(|v| v != 0.0) {
-            let error = plugin.error_at(name, format!("a `{name}` other than 0 is not supported"));
-            reader.forgive(error, "0 is taken")?;
+            reader.note(format!("the sensor's {name} has no effect: nothing moves"));
         }
     }
     if let Some((_, place)) = plugin.nested("medium").first() {

@@ -8,8 +8,8 @@ use etendue_core::{
 };
 use glam::{DAffine3, DVec3, Vec3};
 
-const KINDS: [&str; 10] =
-    ["rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance"];
+const KINDS: [&str; 11] =
+    ["rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance", "merge"];
 
 impl<'d> Import<'_, 'd> {
     /// Adds a shape of the scene.
@@ -18,6 +18,15 @@ impl<'d> Import<'_, 'd> {
         match plugin.kind {
             "shapegroup" => self.group(&plugin).map(drop),
             "instance" => self.instance(&plugin),
+            "merge" => {
+                for (inner, place) in plugin.nested("shape") {
+                    if Plugin::new(self.reader, inner)?.kind == "merge" {
+                        return Err(place.error("a `merge` inside another is not supported"));
+                    }
+                    self.shape(inner)?;
+                }
+                plugin.finish()
+            }
             _ => {
                 let object = self.object(&plugin)?;
                 self.description.objects.push(object);
@@ -79,6 +88,8 @@ impl<'d> Import<'_, 'd> {
         let name = plugin.node.called();
         let mut to_world = plugin.to_world()?;
         let flip = plugin.boolean("flip_normals")?.unwrap_or(false);
+        // Of use for derivatives only.
+        plugin.float("silhouette_sampling_weight")?;
         let mut shape = match plugin.kind {
             "rectangle" | "disk" => {
                 if flip {
@@ -87,8 +98,11 @@ impl<'d> Import<'_, 'd> {
                 }
                 if plugin.kind == "disk" { ObjectShape::Disk } else { ObjectShape::Rectangle }
             }
-            "cube" if flip => ObjectShape::Mesh(inward_cube(1.0)),
-            "cube" => ObjectShape::Cube,
+            "cube" => {
+                // Its faces are flat whatever this says.
+                plugin.boolean("face_normals")?;
+                if flip { ObjectShape::Mesh(inward_cube(1.0)) } else { ObjectShape::Cube }
+            }
             "sphere" => {
                 let radius = plugin.positive("radius")?.unwrap_or(1.0);
                 let center = plugin.vector("center")?.unwrap_or(DVec3::ZERO);

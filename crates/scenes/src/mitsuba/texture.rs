@@ -5,6 +5,7 @@ use super::{
     document::Reader,
     images::{Held, Images},
     plugin::{Meaning, Plugin},
+    spectrum_plugin::{self, is_spectrum},
     tree::Node,
 };
 use crate::error::{LoadError, abridged};
@@ -14,7 +15,7 @@ use etendue_core::{
 };
 use glam::{Affine2, DAffine3, Mat2, Vec2};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::{cell::Cell, sync::Arc};
 
 const KINDS: [&str; 4] = ["bitmap", "checkerboard", "mesh_attribute", "scale"];
 
@@ -57,6 +58,8 @@ pub(super) trait Value: Texel + PartialEq {
     const EXCHANGED: bool;
     /// A constant parameter.
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Self>, LoadError>;
+    /// The value, if it lies in a domain.
+    fn within(self, domain: Domain) -> Result<Self, String>;
     /// A colour as such a value; a number is the luminance.
     fn of(color: Rgb) -> Self;
     /// An image of colours as one of such values.
@@ -70,6 +73,13 @@ impl Value for Rgb {
 
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<Rgb>, LoadError> {
         if domain == REFLECTANCE { plugin.reflectance(name) } else { plugin.colour(name, domain.meaning) }
+    }
+
+    fn within(self, domain: Domain) -> Result<Rgb, String> {
+        match self.is_within(domain.least, domain.most) {
+            true => Ok(self),
+            false => Err(format!("not from {} to {}", domain.least, domain.most)),
+        }
     }
 
     fn of(color: Rgb) -> Rgb {
@@ -89,18 +99,28 @@ impl Value for f32 {
     const EXCHANGED: bool = true;
 
     fn constant(plugin: &Plugin, name: &'static str, domain: Domain) -> Result<Option<f32>, LoadError> {
-        let Some(value) = plugin.float(name)? else { return Ok(None) };
-        // What is smoother than the core allows is made as smooth as that.
-        let (least, most) = (if domain == ROUGHNESS { 0.0 } else { domain.least }, domain.most);
-        if !(f64::from(least)..=f64::from(most)).contains(&value) {
-            return Err(plugin.error_at(name, format!("the parameter `{name}` is {value}, not from {least} to {most}")));
-        }
+        let value = match plugin.is_coloured(name) {
+            true => plugin.colour(name, domain.meaning)?.map(|color| f64::from(Self::of(color))),
+            false => plugin.float(name)?,
+        };
+        let Some(value) = value else { return Ok(None) };
+        let within = (value as f32).within(domain);
+        let within = within.map_err(|m| plugin.error_at(name, format!("the parameter `{name}` is {value}, {m}")))?;
         if value < f64::from(domain.least) {
             let called = plugin.node.attribute("id").unwrap_or("without an id");
             let message = format!("the BSDF `{called}` is smoother than {name} = {}, which is taken", domain.least);
             plugin.reader.note(message);
         }
-        Ok(Some((value as f32).max(domain.least)))
+        Ok(Some(within))
+    }
+
+    fn within(self, domain: Domain) -> Result<f32, String> {
+        // What is smoother than the core allows is made as smooth as that.
+        let (least, most) = (if domain == ROUGHNESS { 0.0 } else { domain.least }, domain.most);
+        match (least..=most).contains(&self) {
+            true => Ok(self.max(domain.least)),
+            false => Err(format!("not from {least} to {most}")),
+        }
     }
 
     fn of(color: Rgb) -> f32 {
@@ -176,6 +196,14 @@ pub(super) fn texture<'d, T: Value>(
         }
         "mesh_attribute" | "vertexcolors" => attribute(&plugin)?,
         "scale" => scaled(&plugin, domain, depth)?,
+        _ if is_spectrum(node) => {
+            let value = T::of(spectrum_plugin::rgb(reader, node)?);
+            let within = value.within(domain).map_err(|m| node.error(format!("the spectrum is {m}")))?;
+            if within != value {
+                reader.note(format!("{}: {} stands in for a smaller roughness", node.called(), domain.least));
+            }
+            return Ok(Texture::Constant(within));
+        }
         _ => return Err(plugin.unknown_kind(&KINDS)),
     };
     plugin.finish()?;
@@ -275,13 +303,36 @@ fn scaled<T: Value>(plugin: &Plugin, domain: Domain, depth: usize) -> Result<Tex
     };
     match texture::<T>(plugin.reader, inner, domain, depth + 1)? {
         Texture::VertexColor => Err(plugin.error("vertex colours times a factor are not supported")),
-        inner => Ok(changed(inner, |v| (v * factor).clamp(domain.least, domain.most))),
+        inner => {
+            let moved = Cell::new(false);
+            let scaled = changed(inner, |v| {
+                let within = (v * factor).clamp(domain.least, domain.most);
+                moved.set(moved.get() || within != v * factor);
+                within
+            });
+            if moved.get() {
+                let (called, least, most) = (plugin.node.called(), domain.least, domain.most);
+                plugin.reader.note(format!("{called}: values that are not from {least} to {most} are moved there"));
+            }
+            Ok(scaled)
+        }
     }
 }
 
 /// A texture times a factor.
 pub(super) fn scale_texture(texture: Texture<Rgb>, factor: f32) -> Texture<Rgb> {
     changed(texture, |v| (v * factor).min(f32::MAX))
+}
+
+/// Two textures multiplied, of which one is a constant; none if neither is.
+pub(super) fn product(a: &Texture<f32>, b: &Texture<f32>) -> Option<Texture<f32>> {
+    match (a, b) {
+        (Texture::Constant(_), Texture::VertexColor) | (Texture::VertexColor, Texture::Constant(_)) => None,
+        (Texture::Constant(factor), other) | (other, Texture::Constant(factor)) => {
+            Some(changed(other.clone(), |v| v * factor))
+        }
+        _ => None,
+    }
 }
 
 /// A texture with each component of its values changed; vertex colours stay.

@@ -47,11 +47,14 @@ fn step(node: Node) -> Result<DAffine3, LoadError> {
             node.allow_attributes(&["origin", "target", "up"])?;
             let origin = attribute(node, "origin", value::vector)?;
             let target = attribute(node, "target", value::vector)?;
-            let placed = match node.attribute("up") {
-                Some(_) => look_at(origin, target, attribute(node, "up", value::vector)?),
-                // Without a way up, any that is not along the view.
-                None => look_at(origin, target, (target - origin).any_orthogonal_vector()),
+            let up = match node.attribute("up") {
+                Some(text) if !text.trim().is_empty() => attribute(node, "up", value::vector)?,
+                _ => DVec3::ZERO,
             };
+            // Without a way up Mitsuba takes the first vector of the basis of [Duff et al. 2017] around the view.
+            let any = |forward: DVec3| forward.any_orthonormal_pair().0;
+            let up = if up == DVec3::ZERO { (target - origin).try_normalize().map(any) } else { Some(up) };
+            let placed = up.and_then(|up| look_at(origin, target, up));
             placed.ok_or_else(|| node.error("origin, target and up do not fix a direction of view"))
         }
         "matrix" => {
@@ -81,14 +84,14 @@ fn matrix(node: Node) -> Result<DAffine3, LoadError> {
     }
 }
 
-/// Three numbers by `value` (one number counts for all three of a scale) or by `x`, `y` and `z`, each `default` if missing.
+/// Three numbers by `value` (one counts for all three) or by `x`, `y` and `z`, each `default` if missing.
 pub(super) fn components(node: Node, default: f64) -> Result<DVec3, LoadError> {
     if node.attribute("value").is_some() {
         if let Some(extra) = ["x", "y", "z"].into_iter().find(|name| node.attribute(name).is_some()) {
             return Err(node.error_on(extra, "is given by `value` already"));
         }
         return attribute(node, "value", |text| match value::numbers(text, 3)?.as_slice() {
-            &[v] if node.tag() == "scale" => Ok(DVec3::splat(v)),
+            &[v] => Ok(DVec3::splat(v)),
             _ => value::vector(text),
         });
     }

@@ -42,11 +42,11 @@ pub(super) fn integer(text: &str) -> Result<i64, String> {
     text.trim().parse().map_err(|_| format!("`{}` is not a whole number", abridged(text)))
 }
 
-/// `true` or `false`.
+/// `true` or `false`, in letters of either case.
 pub(super) fn boolean(text: &str) -> Result<bool, String> {
     match text.trim() {
-        "true" => Ok(true),
-        "false" => Ok(false),
+        word if word.eq_ignore_ascii_case("true") => Ok(true),
+        word if word.eq_ignore_ascii_case("false") => Ok(false),
         other => Err(format!("`{}` is neither true nor false", abridged(other))),
     }
 }

@@ -52,6 +52,11 @@ impl Spectrum {
         }
     }
 
+    /// The largest value.
+    pub(crate) fn most(&self) -> f64 {
+        self.0.iter().fold(0.0, |most, (_, value)| most.max(*value))
+    }
+
     /// As light.
     pub(crate) fn emission(&self) -> Rgb {
         Rgb::from(self.integrate(|_| 1.0).map(|c| c.max(0.0) as f32))

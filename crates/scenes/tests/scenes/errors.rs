@@ -69,16 +69,17 @@ fn places_in_scene_files() {
         (
             "<shape type=\"rectangl\"/>",
             "4:14: the shape type `rectangl` is not supported (did you mean `rectangle`?); supported: rectangle, cube, \
-             sphere, disk, cylinder, obj, ply, serialized, shapegroup, instance",
+             sphere, disk, cylinder, obj, ply, serialized, shapegroup, instance, merge",
         ),
         (
             "<shape type=\"sphere\">\n  <float name=\"radios\" value=\"1\"/>\n</shape>",
             "5:16: the shape type `sphere` has no parameter `radios` (did you mean `radius`?); it has center, \
-             flip_normals, radius, to_world",
+             flip_normals, radius, silhouette_sampling_weight, to_world",
         ),
         (
             "<shape type=\"cube\"><float name=\"radius\" value=\"1\"/></shape>",
-            "4:33: the shape type `cube` has no parameter `radius`; it has flip_normals, to_world",
+            "4:33: the shape type `cube` has no parameter `radius`; it has face_normals, flip_normals, \
+             silhouette_sampling_weight, to_world",
         ),
         ("<shape type=\"sphere\"><float name=\"radius\" value=\"1e400\"/></shape>", "4:50: `1e400` is not finite"),
         (
@@ -156,10 +157,6 @@ fn places_in_scene_files() {
         ("<shape type=\"cube\">stray</shape>", "4:20: the text `stray` has no meaning here"),
         ("<shape type=\"$kind\"/>", "4:14: `$kind` has no <default> before it"),
         (
-            "<default name=\"a\" value=\"1\"/>\n<default name=\"a\" value=\"2\"/>",
-            "5:1: the default `a` is set a second time",
-        ),
-        (
             "<shape type=\"cube\"><transform name=\"to_world\"><scale x=\"0\"/></transform></shape>",
             "4:20: the transform flattens space: it has no inverse",
         ),
@@ -211,7 +208,6 @@ fn settings_of_sensor_and_integrator() {
     };
     let path = "<integrator type=\"path\"/>";
     let pinhole = "<sensor type=\"perspective\"/>";
-    assert_eq!(with("", pinhole), ":1:1: the scene has no <integrator>");
     assert_eq!(with(path, ""), ":1:1: the scene has no <sensor>");
     assert_eq!(
         with("<integrator type=\"path\"><integer name=\"max_depth\" value=\"-2\"/></integrator>", pinhole),
@@ -231,8 +227,8 @@ fn settings_of_sensor_and_integrator() {
     );
     assert_eq!(film("<integer name=\"width\" value=\"0\"/>"), ":3:78: the parameter `width` is 0, not from 1 to 65536");
     assert_eq!(
-        film("<rfilter type=\"mitchell\"/>"),
-        ":3:64: the rfilter type `mitchell` is not supported; supported: box, tent, gaussian"
+        film("<rfilter type=\"triangle\"/>"),
+        ":3:64: the rfilter type `triangle` is not supported; supported: box, tent, gaussian, mitchell, catmullrom, lanczos"
     );
     let crop = "<integer name=\"width\" value=\"8\"/><integer name=\"crop_offset_x\" value=\"1\"/>";
     assert_eq!(film(crop), ":3:28: a crop of 8 x 576 at 1, 0 leaves the film of 8 x 576");

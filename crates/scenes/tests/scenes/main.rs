@@ -1,5 +1,6 @@
 //! Tests of the crate as a user sees it.
 
+mod accepted;
 mod builtins;
 mod damage;
 mod errors;
@@ -11,5 +12,6 @@ mod lights;
 mod materials;
 mod meshes;
 mod mitsuba;
+mod ranges;
 mod shared_files;
 mod textures;

@@ -160,13 +160,15 @@ fn nesting_is_brought_into_one_order() {
     let grey = || Material::lambert(Rgb::splat(0.5));
     let relief = || Relief::Bump { height: board(0.2, 0.4), scale: 2.0 };
     let bumped = |inner| Material::Relief { relief: relief(), material: Box::new(inner) };
+    let sheet = |inner| Material::Relief { relief: Relief::Sheet(Box::new(relief())), material: Box::new(inner) };
     let masked = |inner| Material::Mask { opacity: 0.5.into(), material: Box::new(inner) };
     for (bsdf, expected) in [
         (twosided(&bump(diffuse)), (bumped(grey()), true)),
-        (bump(&twosided(diffuse)), (bumped(grey()), true)),
+        (bump(&twosided(diffuse)), (sheet(grey()), true)),
         (mask(&twosided(diffuse)), (masked(grey()), true)),
         (mask(&bump(diffuse)), (bumped(masked(grey())), false)),
-        (bump(&mask(&twosided(diffuse))), (bumped(masked(grey())), true)),
+        (bump(&mask(&twosided(diffuse))), (sheet(masked(grey())), true)),
+        (mask(&mask(diffuse)), (Material::Mask { opacity: 0.25.into(), material: Box::new(grey()) }, false)),
         (mask(&twosided(&bump(diffuse))), (bumped(masked(grey())), true)),
         (
             normal(diffuse),
@@ -191,9 +193,10 @@ fn nesting_is_brought_into_one_order() {
     assert_eq!(material(&twosided(&blend(diffuse, diffuse))), (mixed(), true));
     assert_eq!(material(&blend(&bump(diffuse), &bump(diffuse))), (bumped(mixed()), false));
 
-    let masks = "a mask over a mask or a blend is not supported";
+    let masks = "a mask over a blend, or over a mask where both are textures, is not supported";
+    let board_mask = |inner: &str| format!("<bsdf type=\"mask\">{}{inner}</bsdf>", BOARD.replace("NAME", "opacity"));
     for (bsdf, expected) in [
-        (mask(&mask(diffuse)), masks),
+        (board_mask(&board_mask(diffuse)), masks),
         (mask(&blend(diffuse, diffuse)), masks),
         (blend(&mask(diffuse), diffuse), "a blend of blends or masks is not supported"),
         (blend(&bump(diffuse), diffuse), "a bump or normal map that the other has not is not supported"),

@@ -38,7 +38,7 @@ fn fov_x(sensor: &str) -> f64 {
     let scene = scene(&format!("<integrator type=\"path\"/>{sensor}"));
     match scene.description.camera.unwrap().projection {
         Projection::Perspective { fov_x } | Projection::ThinLens { fov_x, .. } => fov_x.to_degrees(),
-        Projection::Orthographic { .. } => panic!("no field of view"),
+        other => panic!("{other:?}"),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{
     error::LoadError,
     mitsuba::{
         plugin::Plugin,
-        texture::{HEIGHT, REFLECTANCE, texture},
+        texture::{HEIGHT, REFLECTANCE, product, texture},
         tree::Node,
     },
 };
@@ -49,8 +49,17 @@ impl<'d> Materials<'_, 'd> {
     pub(super) fn mask(&mut self, plugin: &Plugin<'_, 'd>) -> Result<Parts, LoadError> {
         let opacity = plugin.texture_or("opacity", REFLECTANCE, 0.5)?;
         let (parts, place) = self.inner(plugin)?;
+        let inner = match parts.body {
+            Material::Mask { opacity: ref inner, ref material } => {
+                product(&opacity, inner).map(|opacity| Material::Mask { opacity, material: material.clone() })
+            }
+            _ => None,
+        };
+        if let Some(body) = inner {
+            return Ok(Parts { body, ..parts });
+        }
         if matches!(parts.body, Material::Mask { .. } | Material::Mix { .. }) {
-            let error = place.error("a mask over a mask or a blend is not supported");
+            let error = place.error("a mask over a blend, or over a mask where both are textures, is not supported");
             self.reader.forgive(error, "the outer mask is left out")?;
             return Ok(parts);
         }
@@ -86,6 +95,8 @@ impl<'d> Materials<'_, 'd> {
             self.reader.forgive(error, "the outer one is left out")?;
             return Ok(parts);
         }
+        // Around a twosided BSDF it is one for both sides; inside, the back mirrors it.
+        let relief = relief.map(|relief| if parts.two_sided { Relief::Sheet(Box::new(relief)) } else { relief });
         Ok(Parts { relief: relief.or(parts.relief), ..parts })
     }
 
