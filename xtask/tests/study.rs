@@ -13,8 +13,10 @@ fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output).unwrap()
 }
 
-const STUDY: [&str; 15] = [
+const STUDY: [&str; 17] = [
     "study",
+    "--techniques",
+    "path",
     "--scenes",
     "furnace",
     "--reference",
@@ -124,7 +126,7 @@ fn a_study_is_run_once_resumed_and_reported() {
         "<svg class=\"chart\"",
         "class=\"slider\"",
         "type=\"range\"",
-        "to 10 %",
+        "time to 10 %",
         "error map",
         "bias²",
         "What the scene calls for",
@@ -132,7 +134,7 @@ fn a_study_is_run_once_resumed_and_reported() {
         assert!(page.contains(part), "{part}");
     }
     assert_eq!(page.matches("<svg class=\"chart\"").count(), 2);
-    assert!(page.contains("cargo xtask study --scenes furnace"));
+    assert!(page.contains("cargo xtask study --techniques path --scenes furnace"));
     for outside in ["http://", "https://", "src=\"/", "@import", "url("] {
         assert!(!page.contains(outside), "{outside}");
     }

@@ -4,10 +4,11 @@ use crate::{
     clock::human_seconds,
     report::{
         RunFacts, Section, Series, TARGETS,
+        advice::Advice,
         analysis::{Reach, SlopeFit},
         chart::{self, Chart, Curve},
         images, reach_text,
-        text::{bytes, count, escape, number, percent, png_url, short_scene},
+        text::{bytes, count, escape, number, percent, png_url, short_scene, superscript},
     },
 };
 
@@ -19,10 +20,10 @@ const SCRIPT: &str = include_str!("script.js");
 pub const COLOURS: usize = 12;
 
 /// The page of all scenes.
-pub fn html(sections: &[Section], run: &RunFacts) -> String {
+pub fn html(sections: &[Section], advice: &[Advice], run: &RunFacts) -> String {
     let body: String = sections.iter().enumerate().map(|(i, s)| section(i, s)).collect();
     let lead = format!("Rendering error over time, from independent replicates, for {}.", scenes_text(sections));
-    let body = format!("{}{body}{}", summary(sections), about(run));
+    let body = format!("{}{}{body}{}", in_short(advice, run), summary(sections), about(run));
     document("What accuracy costs", &lead, &body)
 }
 
@@ -40,6 +41,14 @@ pub fn document(heading: &str, lead: &str, body: &str) -> String {
     )
 }
 
+/// What to take, and what to know before.
+fn in_short(advice: &[Advice], run: &RunFacts) -> String {
+    let item = |a: &Advice| format!("<li>{}</li>", escape(&a.text));
+    let items: String = advice.iter().map(item).collect();
+    let gaps: String = run.gaps.iter().map(|gap| format!("<p class=\"warn\">{}</p>", escape(gap))).collect();
+    format!("<section class=\"card\"><h2>In short</h2><ul>{items}</ul>{gaps}</section>")
+}
+
 fn scenes_text(sections: &[Section]) -> String {
     let n = sections.len();
     if n == 1 { "one scene".into() } else { format!("{n} scenes") }
@@ -47,16 +56,25 @@ fn scenes_text(sections: &[Section]) -> String {
 
 fn summary(sections: &[Section]) -> String {
     let rows: String = sections.iter().enumerate().map(|(i, s)| summary_rows(i, s)).collect();
-    let targets: String = TARGETS.iter().map(|(_, name)| format!("<th class=\"n\">to {name}</th>")).collect();
+    let targets = target_heads();
     format!(
         "<section class=\"card\"><h2>Time to reach an error</h2><div class=\"scroll\"><table class=\"summary\"><thead><tr><th></th>\
          <th>scene</th><th>technique</th>{targets}<th class=\"n\">relMSE</th><th class=\"n\">after</th>\
-         <th class=\"n\">slope <small>(theory −1)</small></th></tr></thead><tbody>{rows}</tbody></table></div>\
+         <th class=\"n\">slope <small>(independent samples: −1)</small></th></tr></thead><tbody>{rows}</tbody></table></div>\
          <p class=\"note\">An error of 10 %, 3 % or 1 % is a relMSE of 10⁻², 10⁻³ or 10⁻⁴: the mean over pixels of \
          (image − reference)² / (reference² + 0.01). <span class=\"beyond\">~</span> is extrapolated beyond the time \
-         measured; &lt; came with the first pass; <em>below noise</em>: the reference itself is not that exact. \
-         Times include building.</p></section>"
+         measured; &lt; came with the first pass; <em>below noise</em>: the reference itself is not that exact; \
+         <em>unclear</em>: the error falls too unevenly to extrapolate. Times include building.</p></section>"
     )
+}
+
+/// The heads of the columns of times: an error as a percentage, and what that means.
+fn target_heads() -> String {
+    let head = |(relmse, name): &(f64, &str)| {
+        let exponent = superscript(relmse.log10().round() as i32);
+        format!("<th class=\"n\">time to {name} <small>relMSE 10{exponent}</small></th>")
+    };
+    TARGETS.iter().map(head).collect()
 }
 
 fn summary_rows(index: usize, section: &Section) -> String {
@@ -94,7 +112,7 @@ fn reach_cells(series: &Series) -> String {
         let class = match r {
             Reach::AtOnce(_) | Reach::Within(_) => "n within",
             Reach::Beyond(_) => "n beyond",
-            Reach::BelowNoise | Reach::Never => "n none",
+            Reach::BelowNoise | Reach::Unclear | Reach::Never => "n none",
         };
         format!("<td class=\"{class}\">{}</td>", escape(&reach_text(*r)))
     };
@@ -177,7 +195,7 @@ fn reference(section: &Section) -> String {
 }
 
 fn errors(section: &Section) -> String {
-    let targets: String = TARGETS.iter().map(|(_, name)| format!("<th class=\"n\">to {name}</th>")).collect();
+    let targets = target_heads();
     let columns = [
         "relMSE",
         "trimmed",

@@ -1,0 +1,114 @@
+//! Which technique to take for a scene, and what it costs.
+
+use crate::{
+    clock::human_seconds,
+    report::{
+        Section, Series, TARGETS,
+        analysis::Reach,
+        text::{number, short_scene},
+    },
+    techniques,
+};
+use etendue_core::technique::Bias;
+use serde::Serialize;
+
+/// Which of [`TARGETS`] decides.
+const AIM: usize = 1;
+/// Times that differ by less than this factor are alike: about what five replicates of a noisy machine can tell.
+const ALIKE: f64 = 1.25;
+
+/// The technique to take for a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Advice {
+    /// The scene.
+    pub scene: String,
+    /// The technique that reaches the error first; none if no time is known.
+    pub technique: Option<String>,
+    /// The error as relMSE.
+    pub relmse: f64,
+    /// Its time.
+    pub seconds: Option<f64>,
+    /// Whether that lies beyond what was measured.
+    pub extrapolated: bool,
+    /// All of it in a sentence.
+    pub text: String,
+}
+
+impl Advice {
+    /// For a scene with its techniques.
+    pub fn of(section: &Section) -> Advice {
+        let (relmse, name) = TARGETS[AIM];
+        let mut ranked: Vec<(f64, &Series)> =
+            section.series.iter().filter_map(|s| Some((s.reach[AIM].seconds()?, s))).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let scene = section.facts.scene.clone();
+        let short = short_scene(&scene);
+        let noise = section.facts.own_relmse.filter(|own| *own > 0.25 * relmse);
+        let noise = noise.map_or_else(String::new, |own| format!("; the reference is exact to {} alone", error(own)));
+        let Some((seconds, best)) = ranked.first() else {
+            return Advice {
+                technique: None,
+                relmse,
+                seconds: None,
+                extrapolated: false,
+                text: unknown(section),
+                scene,
+            };
+        };
+        let mut text = format!("{short}: take {}; {name} costs {}", best.label, cost(*seconds, best));
+        match ranked.get(1) {
+            Some((other, next)) if *other < ALIKE * seconds => {
+                text += &format!("; {} does as well, {}", next.label, cost(*other, next));
+            }
+            Some((other, next)) => text += &format!("; next is {}, {}", next.label, cost(*other, next)),
+            None if section.series.len() > 1 => text += "; no other is known to get there",
+            None => {}
+        }
+        let extrapolated = is_beyond(best);
+        let (technique, seconds) = (Some(best.label.clone()), Some(*seconds));
+        Advice { technique, relmse, seconds, extrapolated, text: text + &noise, scene }
+    }
+}
+
+fn is_beyond(series: &Series) -> bool {
+    matches!(series.reach[AIM], Reach::Beyond(_))
+}
+
+fn cost(seconds: f64, series: &Series) -> String {
+    let time = human_seconds(seconds);
+    match series.reach[AIM] {
+        Reach::Beyond(_) => {
+            let biased = techniques::find(&series.group.technique).is_ok_and(|t| t.bias == Bias::Bounded);
+            let biased = if biased { ", unless its bias shows" } else { "" };
+            format!("~ {time} (extrapolated from {}{biased})", human_seconds(series.end().seconds))
+        }
+        Reach::AtOnce(_) => format!("less than {time}"),
+        _ => time,
+    }
+}
+
+/// A relMSE as a percentage.
+fn error(relmse: f64) -> String {
+    format!("{} %", number(100.0 * relmse.sqrt()))
+}
+
+/// What can be said where no time to the error is known.
+fn unknown(section: &Section) -> String {
+    let name = TARGETS[AIM].1;
+    let short = short_scene(&section.facts.scene);
+    let end = |s: &&Series| s.end().relmse.1;
+    let Some(best) = section.series.iter().min_by(|a, b| end(a).total_cmp(&end(b))) else {
+        return format!("{short}: nothing was run");
+    };
+    let why = match section.facts.own_relmse {
+        Some(own) if section.series.iter().any(|s| s.reach[AIM] == Reach::BelowNoise) => {
+            format!("the reference is exact to {} alone", error(own))
+        }
+        _ => "nothing is known to get there".to_owned(),
+    };
+    let (after, least) = (human_seconds(best.end().seconds), error(end(&best)));
+    format!(
+        "{short}: what {name} costs cannot be told, {why}; the least error after {after} is {least}, by {}",
+        best.label
+    )
+}
