@@ -223,7 +223,10 @@ pub struct PyramidArgs {
 #[command(after_help = "Examples:
   cargo xtask render cornell --first-pass 0 --passes 4 --out a.exr
   cargo xtask render cornell --first-pass 4 --passes 4 --out b.exr
-  cargo xtask merge whole.exr a.film b.film      (the bits of eight passes in one go)")]
+  cargo xtask merge whole.exr a.film b.film      (the bits of eight passes in one go)
+
+Films of other seeds can be added as well and average as independent renders do; parts of one seed share a pattern, so that
+with the default sampler their error falls faster.")]
 pub struct MergeArgs {
     /// The OpenEXR file to write; its PNG and film are written beside it
     pub out: PathBuf,

@@ -34,14 +34,15 @@ pub static SAMPLERS: &[SamplerInfo] = &[
 impl SamplerInfo {
     const fn of(pattern: Pattern) -> SamplerInfo {
         use Pattern::{BlueNoiseDithered, Halton, Independent, Sobol};
-        // Of these, the sequences would arrange fewer than 16 passes better; that is less than parts that fit are worth.
+        // The sequences would arrange fewer than 16 passes better if they were told, with a fifth less error on cornell; parts
+        // that fit are worth more.
         let plans = !matches!(pattern, Independent | Halton | Sobol | BlueNoiseDithered);
         SamplerInfo { name: pattern.name(), build: pattern.sampler(), plans }
     }
 }
 
-/// The sampler that is used where none is named: nowhere among the built-in scenes does it do worse than independent
-/// numbers, and where paths are short it has less than half their error.
+/// The sampler that is used where none is named. At equal samples it has down to a quarter of the error of independent numbers
+/// where paths are short, and about the same where rare paths decide.
 pub const DEFAULT: &str = Pattern::Sobol.name();
 
 /// The sampler of a name.

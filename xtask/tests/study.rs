@@ -126,7 +126,7 @@ fn a_study_is_run_once_resumed_and_reported() {
         "<svg class=\"chart\"",
         "class=\"slider\"",
         "type=\"range\"",
-        "time to 10 %",
+        "to 10 %<br>",
         "error map",
         "bias²",
         "What the scene calls for",

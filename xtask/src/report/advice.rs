@@ -44,7 +44,8 @@ impl Advice {
         let scene = section.facts.scene.clone();
         let short = short_scene(&scene);
         let noise = section.facts.own_relmse.filter(|own| *own > 0.25 * relmse);
-        let noise = noise.map_or_else(String::new, |own| format!("; the reference is exact to {} alone", error(own)));
+        let noise =
+            noise.map_or_else(String::new, |own| format!("; the reference itself is exact to {} only", error(own)));
         let Some((seconds, best)) = ranked.first() else {
             return Advice {
                 technique: None,
@@ -102,7 +103,7 @@ fn unknown(section: &Section) -> String {
     };
     let why = match section.facts.own_relmse {
         Some(own) if section.series.iter().any(|s| s.reach[AIM] == Reach::BelowNoise) => {
-            format!("the reference is exact to {} alone", error(own))
+            format!("the reference is exact to {} only", error(own))
         }
         _ => "nothing is known to get there".to_owned(),
     };

@@ -45,8 +45,15 @@ pub fn document(heading: &str, lead: &str, body: &str) -> String {
 fn in_short(advice: &[Advice], run: &RunFacts) -> String {
     let item = |a: &Advice| format!("<li>{}</li>", escape(&a.text));
     let items: String = advice.iter().map(item).collect();
-    let gaps: String = run.gaps.iter().map(|gap| format!("<p class=\"warn\">{}</p>", escape(gap))).collect();
-    format!("<section class=\"card\"><h2>In short</h2><ul>{items}</ul>{gaps}</section>")
+    let list = |gaps: &[String]| gaps.iter().map(|gap| format!("<li>{}</li>", escape(gap))).collect::<String>();
+    let gaps = match &run.gaps[..] {
+        [] => String::new(),
+        gaps => format!("<h3>Light that is left out</h3><ul class=\"note\">{}</ul>", list(gaps)),
+    };
+    format!(
+        "<section class=\"card\"><h2>In short</h2><ul>{items}</ul><p class=\"note\">An error of 3 % is a relMSE of 10⁻³; the \
+         table below says more. Seconds are those of this machine.</p>{gaps}</section>"
+    )
 }
 
 fn scenes_text(sections: &[Section]) -> String {
@@ -58,9 +65,9 @@ fn summary(sections: &[Section]) -> String {
     let rows: String = sections.iter().enumerate().map(|(i, s)| summary_rows(i, s)).collect();
     let targets = target_heads();
     format!(
-        "<section class=\"card\"><h2>Time to reach an error</h2><div class=\"scroll\"><table class=\"summary\"><thead><tr><th></th>\
+        "<section class=\"card\"><h2>Time to reach an error of 10 %, 3 %, 1 %</h2><div class=\"scroll\"><table class=\"summary\"><thead><tr><th></th>\
          <th>scene</th><th>technique</th>{targets}<th class=\"n\">relMSE</th><th class=\"n\">after</th>\
-         <th class=\"n\">slope <small>(independent samples: −1)</small></th></tr></thead><tbody>{rows}</tbody></table></div>\
+         <th class=\"n\">slope<br><small>independent: −1</small></th></tr></thead><tbody>{rows}</tbody></table></div>\
          <p class=\"note\">An error of 10 %, 3 % or 1 % is a relMSE of 10⁻², 10⁻³ or 10⁻⁴: the mean over pixels of \
          (image − reference)² / (reference² + 0.01). <span class=\"beyond\">~</span> is extrapolated beyond the time \
          measured; &lt; came with the first pass; <em>below noise</em>: the reference itself is not that exact; \
@@ -72,7 +79,7 @@ fn summary(sections: &[Section]) -> String {
 fn target_heads() -> String {
     let head = |(relmse, name): &(f64, &str)| {
         let exponent = superscript(relmse.log10().round() as i32);
-        format!("<th class=\"n\">time to {name} <small>relMSE 10{exponent}</small></th>")
+        format!("<th class=\"n\">to {name}<br><small>relMSE 10{exponent}</small></th>")
     };
     TARGETS.iter().map(head).collect()
 }
@@ -89,10 +96,10 @@ fn summary_rows(index: usize, section: &Section) -> String {
     let row = |(i, s): (usize, &Series)| {
         let end = s.end();
         format!(
-            "<tr>{}<td>{}{}</td>{}<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
+            "<tr>{}<td class=\"name\">{}{}</td>{}<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
             if i == 0 { head.as_str() } else { "" },
             swatch(i),
-            escape(&s.label),
+            name(s),
             reach_cells(s),
             number(end.relmse.1),
             human_seconds(end.seconds),
@@ -139,11 +146,12 @@ fn section(index: usize, section: &Section) -> String {
     format!(
         "<section class=\"card\" id=\"scene{index}\"><h2>{} <small>{}×{}, {depth}</small></h2>\
          <div class=\"top\"><div class=\"plot\"><div class=\"legend\">{legend}</div>{chart}\
-         <p class=\"note\">Dashed, without the worst 0.1 % of the pixels: far below the line, few pixels hold the error.</p></div>\
-         <aside>{}{}</aside></div>{figures}{}{}</section>",
+         <p class=\"note\">{} Dashed, without the worst 0.1 % of the pixels: far below the line, few pixels hold the error.</p></div>\
+         <aside>{}{}</aside></div><div class=\"figures\">{figures}</div>{}{}</section>",
         escape(short_scene(&f.scene)),
         f.width,
         f.height,
+        replicates(section),
         census(section),
         reference(section),
         errors(section),
@@ -152,15 +160,26 @@ fn section(index: usize, section: &Section) -> String {
 }
 
 fn legend_entry(index: usize, series: &Series) -> String {
-    let end = series.end();
-    format!(
-        "<span>{}{} <small>median and range of {} replicate{}, slope {}</small></span>",
-        swatch(index),
-        escape(&series.label),
-        end.replicates,
-        if end.replicates == 1 { "" } else { "s" },
-        slope(series.slope)
-    )
+    format!("<span>{}{} <small>slope {}</small></span>", swatch(index), name(series), slope(series.slope))
+}
+
+/// A series' technique, and in small letters what else tells it apart.
+fn name(series: &Series) -> String {
+    match series.label.split_once(' ') {
+        Some((technique, rest)) => format!("{} <small>{}</small>", escape(technique), escape(rest)),
+        None => escape(&series.label),
+    }
+}
+
+/// How many replicates the lines and bands of a chart are of.
+fn replicates(section: &Section) -> String {
+    let counts = section.series.iter().map(|s| s.end().replicates);
+    let (least, most) = (counts.clone().min().unwrap_or(0), counts.max().unwrap_or(0));
+    match (least, most) {
+        (1, 1) => "Of one replicate each.".into(),
+        (least, most) if least == most => format!("Lines: the median of {most} replicates; bands: their range."),
+        (least, most) => format!("Lines: the median of {least} to {most} replicates; bands: their range."),
+    }
 }
 
 fn census(section: &Section) -> String {
@@ -230,7 +249,7 @@ fn errors(section: &Section) -> String {
             count(l.rejected),
         ];
         let cells: String = cells.iter().map(|c| format!("<td class=\"n\">{c}</td>")).collect();
-        let name = format!("{}{}", swatch(i), escape(&s.label));
+        let name = format!("{}{}", swatch(i), name(s));
         (
             format!("<tr><td>{name}</td>{}<td class=\"n\">{}</td></tr>", reach_cells(s), slope(s.slope)),
             format!("<tr><td>{name}</td>{cells}</tr>"),
