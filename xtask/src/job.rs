@@ -56,7 +56,7 @@ fn check_film(size: UVec2) -> Result<(), String> {
     let pixels = u64::from(size.x) * u64::from(size.y);
     if size.max_element() > Film::MOST_PER_SIDE || pixels > Film::MOST_PIXELS {
         let (side, most) = (Film::MOST_PER_SIDE, Film::MOST_PIXELS);
-        return Err(format!("an image has at most {side} pixels a side and {most} in all, not {}x{}", size.x, size.y));
+        return Err(format!("an image has at most {side} pixels a side and {most} in all"));
     }
     Ok(())
 }
@@ -182,7 +182,8 @@ impl Job {
             size.apply(camera);
         }
         let size = scene.description.camera.as_ref().map_or(UVec2::ZERO, CameraDescription::film_size);
-        check_film(size).map_err(|reason| Error::Input(format!("{spec}: {reason}; --size takes less")))?;
+        check_film(size)
+            .map_err(|reason| Error::Input(format!("{spec} at {}x{}: {reason}; --size takes less", size.x, size.y)))?;
         let key = ImageKey {
             scene: spec.to_owned(),
             scene_hash: scene_hash(&scene),

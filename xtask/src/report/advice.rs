@@ -113,3 +113,82 @@ fn unknown(section: &Section) -> String {
         best.label
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        picture::Picture,
+        reference::Reference,
+        report::analysis::{points, reach, slope_of},
+        study::{
+            references::{SceneFacts, Source},
+            results::tests::cell,
+        },
+    };
+    use etendue_core::rgb::Rgb;
+
+    /// A section of techniques whose errors begin at some values and fall as 1 / passes, 0.01 s each, for eight doublings.
+    fn section(noise: f64, techniques: &[(&str, f64)]) -> Section {
+        let series = |(name, start): &(&str, f64)| {
+            let cells: Vec<_> = (0..3).map(|r| cell("a/b.xml", r, *start, 8)).collect();
+            let cells: Vec<_> = cells.iter().collect();
+            let (points, slope) = (points(&cells), slope_of(&cells, noise));
+            let mut group = cells[0].group().clone();
+            group.technique = (*name).to_owned();
+            let reach = TARGETS.map(|(target, _)| reach(&points, slope, noise, target));
+            Series { group, label: (*name).to_owned(), budget: 1.0, points, slope, reach, image: None }
+        };
+        let facts = SceneFacts {
+            scene: "a/b.xml".into(),
+            scene_hash: String::new(),
+            width: 1,
+            height: 1,
+            depth: 4,
+            source: Source::Given,
+            made: String::new(),
+            seconds: 0.0,
+            own_relmse: Some(noise),
+            note: String::new(),
+            region: String::new(),
+            census: String::new(),
+            notes: Vec::new(),
+        };
+        let picture = Picture { size: glam::UVec2::ONE, pixels: vec![Rgb::WHITE] };
+        let reference = Reference { picture, variance: None, region: None };
+        Section { facts, reference, series: techniques.iter().map(series).collect() }
+    }
+
+    #[test]
+    fn the_fastest_is_taken_and_the_next_is_told() {
+        let advice = Advice::of(&section(0.0, &[("sppm", 0.4), ("path", 0.05)]));
+        // 0.05 / 50 passes is 0.001, measured; 0.4 needs 400 passes of 128.
+        assert_eq!((advice.technique.as_deref(), advice.extrapolated), (Some("path"), false));
+        assert!((advice.seconds.unwrap() - 0.5).abs() < 1e-9, "{advice:?}");
+        assert_eq!(
+            advice.text,
+            "b.xml: take path; 3 % costs 500 ms; next is sppm, ~ 4.00 s (extrapolated from 1.28 s)"
+        );
+        let alike = Advice::of(&section(0.0, &[("photon", 0.4), ("path", 0.36)]));
+        assert!(alike.extrapolated && alike.text.contains("photon does as well"), "{alike:?}");
+        assert!(alike.text.ends_with("unless its bias shows)"), "{alike:?}");
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_told() {
+        let noisy = Advice::of(&section(2e-3, &[("path", 0.4), ("bidir", 0.8)]));
+        assert_eq!((noisy.technique, noisy.seconds), (None, None));
+        assert!(
+            noisy.text.contains("3 % costs cannot be told, the reference is exact to 4.47 % only"),
+            "{}",
+            noisy.text
+        );
+        let near = Advice::of(&section(5e-4, &[("path", 0.4)]));
+        assert!(near.text.ends_with("the reference itself is exact to 2.24 % only"), "{}", near.text);
+        let mut flat = section(0.0, &[("path", 0.4)]);
+        flat.series[0].reach = [Reach::Unclear; 3];
+        let flat = Advice::of(&flat);
+        // 0.4 / 128 is the square of 5.59 %.
+        assert!(flat.text.ends_with("nothing is known to get there; the least error after 1.28 s is 5.59 %, by path"));
+    }
+}
