@@ -2,6 +2,7 @@
 
 use crate::{
     job::{Size, Wish},
+    samplers,
     study::region::Region,
 };
 use clap::{Args, Parser, Subcommand};
@@ -145,8 +146,8 @@ pub struct RenderArgs {
     /// A setting of the technique (`cargo xtask techniques` lists them)
     #[arg(long = "knob", value_name = "NAME=VALUE")]
     pub knobs: Vec<String>,
-    /// Random numbers; all but `independent` plan for the number of passes, if it is given
-    #[arg(long, default_value = "independent", value_name = "NAME")]
+    /// Random numbers: sobol, independent, halton, .. (`cargo xtask sampling` measures them)
+    #[arg(long, default_value = samplers::DEFAULT, value_name = "NAME")]
     pub sampler: String,
     /// The OpenEXR file to write [default: the scene's name, in the current folder]
     #[arg(long, value_name = "FILE.exr")]
@@ -222,7 +223,10 @@ pub struct PyramidArgs {
 #[command(after_help = "Examples:
   cargo xtask render cornell --first-pass 0 --passes 4 --out a.exr
   cargo xtask render cornell --first-pass 4 --passes 4 --out b.exr
-  cargo xtask merge whole.exr a.film b.film      (the bits of eight passes in one go)")]
+  cargo xtask merge whole.exr a.film b.film      (the bits of eight passes in one go)
+
+Films of other seeds can be added as well and average as independent renders do; parts of one seed share a pattern, so that
+with the default sampler their error falls faster.")]
 pub struct MergeArgs {
     /// The OpenEXR file to write; its PNG and film are written beside it
     pub out: PathBuf,
@@ -263,7 +267,7 @@ pub struct CompareArgs {
 /// Arguments of `study`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  cargo xtask study                                             (a quick look, within three minutes)
+  cargo xtask study                                             (which technique for which scene, within three minutes)
   cargo xtask study --scenes cornell,sky --seconds 30 --replicates 8 --out study
   cargo xtask study --scenes scene.xml --reference truth.exr
   cargo xtask study --scenes ring --techniques path,bidir --region caustic:0.2
@@ -276,21 +280,21 @@ pub struct StudyArgs {
     /// Scenes, built-in or files
     #[arg(long, value_delimiter = ',', value_name = "SCENE,..", default_values_t = QUICK_SCENES.map(String::from))]
     pub scenes: Vec<String>,
-    /// Techniques
-    #[arg(long, value_delimiter = ',', value_name = "NAME,..", default_value = "path")]
+    /// Techniques [default: all, but for those that leave out what a scene shows in mirrors or through glass]
+    #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
     pub techniques: Vec<String>,
     /// Turn a knob of a technique, as `cargo xtask techniques` lists them; again for more. Some scenes have knobs of their own,
     /// which the report tells
     #[arg(long = "knob", value_name = "TECHNIQUE.NAME=VALUE")]
     pub knobs: Vec<String>,
     /// Random numbers; every technique runs with each of them
-    #[arg(long, alias = "sampler", value_delimiter = ',', value_name = "NAME,..", default_value = "independent")]
+    #[arg(long, alias = "sampler", value_delimiter = ',', value_name = "NAME,..", default_value = samplers::DEFAULT)]
     pub samplers: Vec<String>,
     /// Time of each cell (a scene with a technique, a sampler and a seed), building included
-    #[arg(long, default_value_t = 3.0, value_name = "S", value_parser = positive_seconds)]
+    #[arg(long, default_value_t = 2.0, value_name = "S", value_parser = positive_seconds)]
     pub seconds: f64,
     /// Cells with different seeds; the bands in the report are over them
-    #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub replicates: u32,
     /// The image.
     #[command(flatten)]
@@ -316,8 +320,9 @@ pub struct StudyArgs {
     pub json: bool,
 }
 
-/// The scenes of a quick study: diffuse light, glossy highlights, a sun in a sky, many lights.
-pub const QUICK_SCENES: [&str; 4] = ["cornell", "veach-mis", "sky", "many-lights"];
+/// The scenes of a quick study: diffuse light, glossy highlights, a caustic, lamps that are turned away. Each wants another
+/// technique.
+pub const QUICK_SCENES: [&str; 4] = ["cornell", "veach-mis", "ring", "hidden-lights"];
 
 /// Arguments of `reference`.
 #[derive(Debug, Args)]

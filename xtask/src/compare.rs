@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 /// What is compared and what came of it; the figures are there if every value is finite.
 #[derive(Debug, Serialize)]
 struct Comparison {
+    #[serde(serialize_with = "files::path_text")]
     image: PathBuf,
+    #[serde(serialize_with = "files::path_text")]
     reference: PathBuf,
     width: u32,
     height: u32,
@@ -28,6 +30,7 @@ struct Comparison {
 /// A channel with values that are no numbers.
 #[derive(Debug, Serialize)]
 struct NotFinite {
+    #[serde(serialize_with = "files::path_text")]
     file: PathBuf,
     channel: &'static str,
     nan: usize,

@@ -5,7 +5,7 @@ use crate::{
     files::{read_whole, write_whole},
     picture::Picture,
 };
-use etendue_core::rgb::Rgb;
+use etendue_core::{film::Film, rgb::Rgb};
 use exr::{
     compression::Compression,
     image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer},
@@ -48,8 +48,6 @@ pub struct ExrFile {
 /// What every program reads: lines from the top, compressed by deflate.
 const ENCODING: Encoding =
     Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-/// The most pixels of a file that is read.
-const MOST_PIXELS: u64 = 1 << 27;
 /// No OpenEXR compression of real images comes near this ratio; a header that claims more is not believed.
 const MOST_EXPANSION: u64 = 10_000;
 
@@ -77,18 +75,17 @@ impl ExrFile {
 
     /// Writes the file, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let channel = |(name, values): (&String, &Vec<f32>)| {
-            AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(values.clone()))
-        };
-        let software = Text::from(concat!("etendue ", env!("CARGO_PKG_VERSION")));
+        let channel =
+            |(name, values): (&String, &Vec<f32>)| AnyChannel::new(encode_text(name), FlatSamples::F32(values.clone()));
+        let software = encode_text(concat!("etendue ", env!("CARGO_PKG_VERSION")));
         let mut attributes = LayerAttributes { software_name: Some(software), ..LayerAttributes::default() };
         for (name, value) in &self.attributes {
             let value = match value {
-                Attribute::Text(t) => AttributeValue::Text(Text::from(t.as_str())),
+                Attribute::Text(t) => AttributeValue::Text(encode_text(t)),
                 Attribute::Whole(i) => AttributeValue::I32(*i),
                 Attribute::Number(x) => AttributeValue::F64(*x),
             };
-            attributes.other.insert(Text::from(name.as_str()), value);
+            attributes.other.insert(encode_text(name), value);
         }
         let channels = AnyChannels::sort(self.channels.iter().map(channel).collect());
         let size = (self.size.x as usize, self.size.y as usize);
@@ -107,6 +104,17 @@ impl ExrFile {
         let decoded = quietly(|| decode(&bytes)).unwrap_or_else(|| Err("is corrupt".into()));
         decoded.map_err(|reason| Error::Content { path: path.into(), reason: format!("as an OpenEXR image: {reason}") })
     }
+}
+
+/// Text as a header holds it: UTF-8, as the format says.
+fn encode_text(text: &str) -> Text {
+    // `Text::from` takes Latin-1 alone and panics at anything else.
+    Text::from_slice_unchecked(text.as_bytes())
+}
+
+/// Text of a header: UTF-8, or Latin-1 where it is not, as some programs write.
+fn decode_text(text: &Text) -> String {
+    std::str::from_utf8(text.as_slice()).map_or_else(|_| text.chars().collect(), str::to_owned)
 }
 
 /// Runs something that may panic, without the message; none if it did.
@@ -134,7 +142,7 @@ fn decode(bytes: &[u8]) -> Result<ExrFile, String> {
     let mut claimed = 0u64;
     for header in &meta.headers {
         let pixels = header.layer_size.width() as u64 * header.layer_size.height() as u64;
-        if pixels > MOST_PIXELS {
+        if pixels > Film::MOST_PIXELS {
             return Err(format!("its header claims {pixels} pixels, more than are read"));
         }
         claimed += pixels * header.channels.bytes_per_pixel as u64;
@@ -151,18 +159,18 @@ fn decode(bytes: &[u8]) -> Result<ExrFile, String> {
     for channel in layer.channel_data.list {
         let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
         if values.len() == pixels {
-            file.channels.insert(channel.name.to_string(), values);
+            file.channels.insert(decode_text(&channel.name), values);
         }
     }
     for (name, value) in &layer.attributes.other {
         let value = match value {
-            AttributeValue::Text(t) => Attribute::Text(t.to_string()),
+            AttributeValue::Text(t) => Attribute::Text(decode_text(t)),
             AttributeValue::I32(i) => Attribute::Whole(*i),
             AttributeValue::F64(x) => Attribute::Number(*x),
             AttributeValue::F32(x) => Attribute::Number(f64::from(*x)),
             _ => continue,
         };
-        file.attributes.insert(name.to_string(), value);
+        file.attributes.insert(decode_text(name), value);
     }
     Ok(file)
 }
@@ -210,6 +218,22 @@ mod tests {
         assert_eq!(read.size, written.size);
         assert_eq!(read.channels, written.channels);
         assert_eq!(read.attributes, written.attributes);
+    }
+
+    #[test]
+    fn text_in_any_script_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        for text in ["", "é", "シーン/scene.xml", "🦀.xml", "e\u{301}\u{202e}", &"ж".repeat(5000)] {
+            let mut written = sample();
+            written.attributes.insert("scene".into(), Attribute::Text(text.into()));
+            written.attributes.insert("シーン".into(), Attribute::Text(text.into()));
+            written.channels.insert("領域".into(), vec![0.5; 19 * 7]);
+            written.write(&path).unwrap();
+            let read = ExrFile::read(&path).unwrap();
+            assert_eq!((read.attributes, read.channels), (written.attributes, written.channels), "{text}");
+        }
+        assert_eq!(decode_text(&Text::from("caf\u{e9}")), "caf\u{e9}");
     }
 
     #[test]

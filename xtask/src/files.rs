@@ -85,13 +85,36 @@ pub fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("the reports have string keys alone")
 }
 
-/// A name made of what any file system takes: other characters become `_`.
-pub fn plain_name(name: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || "-._=".contains(c) { c } else { '_' };
-    let stem = Path::new(name).file_stem().map_or_else(|| name.into(), |s| s.to_string_lossy());
+/// Writes a path as text in JSON, which holds Unicode alone: what is not becomes U+FFFD.
+pub fn path_text<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+/// The most bytes of [`plain_name`]: file systems take 255, and something is appended.
+const LONGEST_NAME: usize = 180;
+
+/// A scene's name as part of a file's: without folders and extension, as far as file systems take it. Letters of every
+/// script stay; what shells or file systems treat in their own way becomes `_`. Names of two scenes may come out alike.
+pub fn plain_name(scene: &str) -> String {
+    let taken = |c: char| match c {
+        c if c.is_ascii() => c.is_ascii_alphanumeric() || "-._=".contains(c),
+        // Accents may be characters of their own, so letters alone would not do.
+        c => !c.is_control() && !c.is_whitespace(),
+    };
     // A built-in scene's parameters may hold a dot, which is no extension.
-    let whole = if Path::new(name).is_file() { stem.as_ref() } else { name };
-    whole.chars().map(plain).collect::<String>().trim_start_matches('.').to_owned()
+    let stem = Path::new(scene).file_stem().filter(|_| Path::new(scene).is_file());
+    let whole = stem.map_or_else(|| scene.into(), |s| s.to_string_lossy());
+    let mut plain = String::new();
+    for c in whole.chars().map(|c| if taken(c) { c } else { '_' }) {
+        if plain.len() + c.len_utf8() > LONGEST_NAME {
+            break;
+        }
+        plain.push(c);
+    }
+    match plain.trim_start_matches('.') {
+        "" => "scene".to_owned(),
+        name => name.to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -119,5 +142,29 @@ mod tests {
         assert_eq!(plain_name("many-lights:n=4096"), "many-lights_n=4096");
         assert_eq!(plain_name("ring:w=0.5,h=1"), "ring_w=0.5_h=1");
         assert_eq!(plain_name("../a b/c"), "_a_b_c");
+        assert_eq!(["...", ""].map(plain_name), ["scene", "scene"]);
+    }
+
+    #[test]
+    fn names_keep_letters_of_every_script() {
+        for name in ["é", "ü", "e\u{301}", "シーン", "сцена", "🦀"] {
+            assert_eq!(plain_name(name), name);
+        }
+        assert_eq!(plain_name("a\u{2028}b\u{85}c\u{3000}d"), "a_b_c_d");
+        let long = plain_name(&"シ".repeat(100));
+        assert!(long.len() <= LONGEST_NAME && long.chars().all(|c| c == 'シ'), "{long}");
+    }
+
+    #[test]
+    fn paths_that_are_no_text_are_written_as_near_to_it_as_can_be() {
+        #[derive(serde::Serialize)]
+        struct Holder(#[serde(serialize_with = "path_text")] PathBuf);
+        #[cfg(unix)]
+        {
+            use std::os::unix::ffi::OsStringExt;
+            let path = std::ffi::OsString::from_vec(b"a\xffb".to_vec()).into();
+            assert_eq!(json(&Holder(path)), "\"a\u{fffd}b\"");
+        }
+        assert_eq!(json(&Holder("シ.exr".into())), "\"シ.exr\"");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::{
     clock::{Cost, timed},
+    coverage,
     error::Error,
     hash::scene_hash,
     samplers::{self, SamplerInfo},
@@ -19,9 +20,6 @@ use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, str::FromStr, sync::Arc};
 
-/// The most pixels of an image: its film holds about 100 bytes for each.
-const MOST_PIXELS: u64 = 1 << 26;
-
 /// A size as it is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
@@ -37,22 +35,30 @@ impl FromStr for Size {
     fn from_str(text: &str) -> Result<Size, String> {
         let number =
             |t: &str| t.parse::<u32>().map_err(|_| format!("`{text}` is not WIDTHxHEIGHT or a number of pixels"));
-        let (size, shape) = match text.split_once('x') {
+        let (least, size) = match text.split_once('x') {
             Some((w, h)) => {
                 let size = UVec2::new(number(w)?, number(h)?);
                 (size, Size::Exact(size))
             }
-            None => (UVec2::splat(number(text)?), Size::Longest(number(text)?)),
+            // The other side follows from the camera and may be as short as one pixel.
+            None => (UVec2::new(number(text)?, 1), Size::Longest(number(text)?)),
         };
-        if size.min_element() == 0 {
+        if least.min_element() == 0 {
             return Err("width and height must be at least 1".into());
         }
-        let pixels = u64::from(size.x) * u64::from(size.y);
-        if pixels > MOST_PIXELS {
-            return Err(format!("{pixels} pixels are more than the {MOST_PIXELS} that a film may have"));
-        }
-        Ok(shape)
+        check_film(least).map_err(|reason| format!("`{text}`: {reason}"))?;
+        Ok(size)
     }
+}
+
+/// Refuses images that are larger than any film.
+fn check_film(size: UVec2) -> Result<(), String> {
+    let pixels = u64::from(size.x) * u64::from(size.y);
+    if size.max_element() > Film::MOST_PER_SIDE || pixels > Film::MOST_PIXELS {
+        let (side, most) = (Film::MOST_PER_SIDE, Film::MOST_PIXELS);
+        return Err(format!("an image has at most {side} pixels a side and {most} in all"));
+    }
+    Ok(())
 }
 
 impl Size {
@@ -176,10 +182,8 @@ impl Job {
             size.apply(camera);
         }
         let size = scene.description.camera.as_ref().map_or(UVec2::ZERO, CameraDescription::film_size);
-        let pixels = u64::from(size.x) * u64::from(size.y);
-        if pixels > MOST_PIXELS {
-            return Err(Error::Input(format!("{spec}: its camera has {pixels} pixels; --size takes less")));
-        }
+        check_film(size)
+            .map_err(|reason| Error::Input(format!("{spec} at {}x{}: {reason}; --size takes less", size.x, size.y)))?;
         let key = ImageKey {
             scene: spec.to_owned(),
             scene_hash: scene_hash(&scene),
@@ -194,6 +198,20 @@ impl Job {
         Ok(Job { key, scene, load: wish.load, technique, knobs, sampler, parts })
     }
 
+    /// The same image by another technique, with its knobs at their defaults.
+    pub fn by(mut self, technique: &str) -> Result<Job, Error> {
+        self.technique = techniques::find(technique)?;
+        self.knobs = techniques::knobs(self.technique, &[])?;
+        self.key.technique = self.technique.name.to_owned();
+        self.key.knobs = techniques::named_knobs(self.technique, &self.knobs);
+        Ok(self)
+    }
+
+    /// Light that the image will lack because the technique cannot render it, said in sentences.
+    pub fn gaps(&self) -> Vec<String> {
+        coverage::gaps(&self.scene.description, self.key.depth, self.parts, &[self.technique])
+    }
+
     /// Builds the scene and the technique on a pool of threads. Only what building takes is on the clock.
     pub fn build(&self, threads: usize, planned_passes: u32) -> Result<Engine, Error> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -203,7 +221,7 @@ impl Job {
             roulette_depth: self.scene.roulette_depth,
             parts: self.parts,
             sampler: self.sampler.build,
-            planned_passes,
+            planned_passes: if self.sampler.plans { planned_passes } else { 0 },
         };
         let (built, build) = timed(|| {
             pool.install(|| {
@@ -278,6 +296,16 @@ mod tests {
         assert_eq!("64".parse(), Ok(Size::Longest(64)));
         assert_eq!(Size::Longest(128).of(UVec2::new(768, 512)), UVec2::new(128, 85));
         assert_eq!(Size::Longest(4).of(UVec2::new(1, 100)), UVec2::new(1, 4));
+        assert_eq!("65536x4096".parse(), Ok(Size::Exact(UVec2::new(65_536, 4096))));
+        assert_eq!("65536".parse(), Ok(Size::Longest(65_536)));
+        for large in ["65537", "65537x1", "1x65537", "65536x4097", "16385x16384"] {
+            let error = large.parse::<Size>().unwrap_err();
+            assert!(error.contains("65536 pixels a side") && error.contains("268435456"), "{error}");
+        }
+        // The longer side alone does not tell that the image is too large.
+        let error =
+            Job::load("cornell", &crate::reference::wish(Some(Size::Longest(65_536)), None, Default::default()));
+        assert!(error.err().unwrap().to_string().contains("--size takes less"));
         for bad in ["0x0", "0", "64x", "x", "", "-1x4", "1e3", "4294967296", "99999x99999", "64x64x64"] {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
         }

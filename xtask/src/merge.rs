@@ -1,10 +1,10 @@
 //! `merge`: adds films exactly.
 
-use crate::{cli::MergeArgs, error::Error, film_file::FilmFile, render};
+use crate::{cli::MergeArgs, error::Error, film_file::FilmFile, output, render};
 
 /// The command.
 pub fn run(args: &MergeArgs) -> Result<(), Error> {
-    render::check_image_path(&args.out)?;
+    output::check_image_path(&args.out)?;
     let mut merged: Option<FilmFile> = None;
     for path in &args.films {
         let film = FilmFile::read(path)?;

@@ -7,9 +7,9 @@ use crate::{
     exr_file::{Attribute, ExrFile},
     files, interrupt,
     job::{Job, Wish},
+    output::image_path,
     picture::{Picture, encode_png},
     progress::Progress,
-    render::check_image_path,
 };
 use etendue_bidir::{
     events::{Contribution, Event},
@@ -250,14 +250,15 @@ struct PyramidReport {
     interrupted: bool,
     mean: f64,
     strategies: Vec<StrategyReport>,
+    #[serde(serialize_with = "files::path_text")]
     out: PathBuf,
+    #[serde(serialize_with = "files::path_text")]
     png: PathBuf,
 }
 
 /// The command.
 pub fn run(args: &PyramidArgs) -> Result<(), Error> {
-    let out = args.out.clone().unwrap_or_else(|| format!("{}-pyramid.exr", files::plain_name(&args.scene)).into());
-    check_image_path(&out)?;
+    let out = image_path(args.out.as_deref(), &args.scene, "-pyramid")?;
     let wish = Wish {
         technique: etendue_bidir::BIDIR.name.into(),
         knobs: Vec::new(),
@@ -268,6 +269,7 @@ pub fn run(args: &PyramidArgs) -> Result<(), Error> {
         load: args.load.into(),
     };
     let job = Job::load(&args.scene, &wish)?;
+    job.gaps().iter().for_each(|gap| eprintln!("warning: {gap}"));
     let size = job.key.size();
     let values = u64::from(size.x) * u64::from(size.y) * 6 * strategies(args.depth).count() as u64;
     if values > MOST_VALUES {

@@ -3,17 +3,18 @@
 use crate::{
     cli::ReferenceArgs,
     clock::human_seconds,
+    coverage,
     error::Error,
     exr_file::{ExrFile, picture_of},
     files,
     hash::{Fnv, derive_seed},
     interrupt,
-    job::{Job, Size, Wish},
+    job::{ImageKey, Job, Size, Wish},
     picture::Picture,
     progress::Progress,
     render::Budget,
 };
-use etendue_core::rgb::Rgb;
+use etendue_core::{effects::Census, rgb::Rgb, technique::Chain};
 use etendue_scenes::LoadOptions;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -148,6 +149,14 @@ fn caution(technique: &str, has_caustics: bool) -> &'static str {
     }
 }
 
+/// That, and light that is missing.
+fn note(job: &Job, census: &Census) -> String {
+    let caution = caution(&job.key.technique, census.has_caustics());
+    let sentences: Vec<String> =
+        (!caution.is_empty()).then(|| caution.to_owned()).into_iter().chain(job.gaps()).collect();
+    sentences.join("; ")
+}
+
 /// Renders a reference; none if Ctrl-C came first.
 pub fn make(
     job: &Job,
@@ -180,7 +189,7 @@ pub fn make(
         seed,
         seconds: engine.total().seconds,
         relmse: reference.own_relmse(),
-        note: caution(&job.key.technique, engine.scene.census().has_caustics()).into(),
+        note: note(job, engine.scene.census()),
         ..known(job)
     };
     Ok(Some((reference, entry)))
@@ -214,16 +223,20 @@ fn exact(job: &Job, radiance: f64) -> (Reference, ReferenceEntry) {
 }
 
 /// The technique that a scene's reference is made with where none is asked for: one that converges there.
-pub fn technique(scene: &str) -> &'static str {
-    match scene.split(':').next().unwrap_or(scene) {
+pub fn technique(job: &Job) -> &'static str {
+    let spec = &job.key.scene;
+    match spec.split(':').next().unwrap_or(spec) {
         "ring" | "glass-caustic" | "hidden-lights" | "glass-ball" | "glossy-caustic" | "studio" => "bidir",
         // Light under water that is seen through its surface; blurred, and less with time.
         "pool" => "sppm",
+        // What a reference lacks would count as an error of those who render it.
+        _ if coverage::misses(&etendue_path::INFO, Chain::Caustic, &job.scene.description, job.key.depth) => "bidir",
         _ => "path",
     }
 }
 
-/// What a reference is made with where nothing else is asked for.
+/// What a reference is made with where nothing else is asked for: independent numbers, as its error is told from the scatter of
+/// its passes.
 pub fn wish(size: Option<Size>, depth: Option<u32>, load: LoadOptions) -> Wish {
     Wish { technique: "path".into(), knobs: vec![], sampler: "independent".into(), parts: vec![], size, depth, load }
 }
@@ -269,6 +282,18 @@ impl Store {
         Ok(Some((reference, entry.clone())))
     }
 
+    /// The name under which a scene's reference is stored: its own, or with its hash if that is another scene's.
+    fn name(&self, key: &ImageKey) -> String {
+        let plain = files::plain_name(&key.scene);
+        // In lower case, as some file systems do not tell letters by their case.
+        let taken = |(name, entry): (&String, &ReferenceEntry)| {
+            name.to_lowercase() == plain.to_lowercase()
+                && entry.scene != key.scene
+                && entry.scene_hash != key.scene_hash
+        };
+        if self.entries.iter().any(taken) { format!("{plain}-{}", key.scene_hash) } else { plain }
+    }
+
     /// Stores a reference: the image first, so that the list names no image that is not there.
     pub fn put(&mut self, name: &str, reference: &Reference, entry: ReferenceEntry) -> Result<(), Error> {
         reference.write(&self.folder.join(format!("{name}.exr")))?;
@@ -292,16 +317,20 @@ pub fn run(args: &ReferenceArgs) -> Result<(), Error> {
         None => Budget::Seconds(args.seconds.unwrap_or(DEFAULT_SECONDS)),
     };
     let wish = wish(Some(args.image.size.unwrap_or(DEFAULT_SIZE)), args.image.depth, args.load.into());
-    let load = |scene: &String| {
-        let technique = args.technique.clone().unwrap_or_else(|| technique(scene).into());
-        Job::load(scene, &Wish { technique, ..wish.clone() })
+    let load = |scene: &String| match &args.technique {
+        Some(technique) => Job::load(scene, &Wish { technique: technique.clone(), ..wish.clone() }),
+        None => {
+            let job = Job::load(scene, &wish)?;
+            let technique = technique(&job);
+            job.by(technique)
+        }
     };
     let jobs = scenes.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     interrupt::listen()?;
     let mut made = BTreeMap::new();
     for job in &jobs {
         let Some((reference, entry)) = make(job, args.image.threads(), args.seed, budget)? else { break };
-        let name = files::plain_name(&job.key.scene);
+        let name = store.name(&job.key);
         if !args.json {
             let own = entry.relmse.map_or_else(|| "unknown".into(), |e| format!("{e:.2e}"));
             let (passes, seconds) = (entry.passes, human_seconds(entry.seconds));

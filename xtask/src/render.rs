@@ -9,6 +9,7 @@ use crate::{
     film_file::{FilmFile, RayCounts, Run, Tally, film_path},
     interrupt,
     job::{Engine, Job},
+    output::image_path,
     picture::Picture,
     progress::Progress,
 };
@@ -73,16 +74,20 @@ pub struct RenderReport {
     rays_per_second: f64,
     rejected: u64,
     interrupted: bool,
+    #[serde(serialize_with = "files::path_text")]
     out: PathBuf,
+    #[serde(serialize_with = "files::path_text")]
     png: PathBuf,
+    #[serde(serialize_with = "files::path_text")]
     film: PathBuf,
     notes: Vec<String>,
+    /// Light that the image lacks.
+    gaps: Vec<String>,
 }
 
 /// The command.
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
-    let out = args.out.clone().unwrap_or_else(|| format!("{}.exr", files::plain_name(&args.scene)).into());
-    check_image_path(&out)?;
+    let out = image_path(args.out.as_deref(), &args.scene, "")?;
     let budget = match (args.passes, args.seconds) {
         (_, Some(seconds)) => Budget::Seconds(seconds),
         (passes, None) => Budget::Passes(passes.unwrap_or(DEFAULT_PASSES)),
@@ -97,6 +102,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     }
     let job = Job::load(&args.scene, &args.wish())?;
     let earlier = if args.resume { earlier_film(&out, &job, args)? } else { None };
+    let gaps = job.gaps();
+    gaps.iter().for_each(|gap| eprintln!("warning: {gap}"));
     interrupt::listen()?;
 
     let threads = args.image.threads();
@@ -126,6 +133,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     report.threads = Some(threads);
     report.interrupted = interrupted;
     report.notes = job.scene.notes.clone();
+    report.gaps = gaps;
     print_report(&report, args.json)
 }
 
@@ -168,14 +176,6 @@ fn earlier_film(out: &Path, job: &Job, args: &RenderArgs) -> Result<Option<FilmF
     }
 }
 
-/// Refuses an output file that is not an OpenEXR file or whose folder is missing.
-pub fn check_image_path(out: &Path) -> Result<(), Error> {
-    if out.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
-        return Err(Error::Content { path: out.into(), reason: "an image's name must end in .exr".into() });
-    }
-    files::check_output(out)
-}
-
 /// Writes film, image and PNG. The film is first: nothing is lost if the others fail.
 pub fn save(film: &FilmFile, out: &Path) -> Result<RenderReport, Error> {
     let (film_file, png) = (film_path(out), out.with_extension("png"));
@@ -211,6 +211,7 @@ pub fn save(film: &FilmFile, out: &Path) -> Result<RenderReport, Error> {
         png,
         film: film_file,
         notes: Vec::new(),
+        gaps: Vec::new(),
     })
 }
 

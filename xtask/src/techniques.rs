@@ -1,7 +1,7 @@
 //! The list of techniques: a new one is one line here.
 
 use crate::error::Error;
-use etendue_core::technique::{Bias, Part, TechniqueInfo};
+use etendue_core::technique::{Bias, Knob, Part, TechniqueInfo};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -25,6 +25,7 @@ pub fn find(name: &str) -> Result<&'static TechniqueInfo, Error> {
 /// The values of a technique's knobs, in its order: those given as `name=value`, and defaults for the rest.
 pub fn knobs(technique: &TechniqueInfo, given: &[String]) -> Result<Vec<f64>, Error> {
     let mut values: Vec<f64> = technique.knobs.iter().map(|k| k.default).collect();
+    let mut seen = Vec::new();
     for text in given {
         let (name, value) =
             text.split_once('=').ok_or_else(|| Error::Input(format!("--knob {text}: not `name=value`")))?;
@@ -33,10 +34,17 @@ pub fn knobs(technique: &TechniqueInfo, given: &[String]) -> Result<Vec<f64>, Er
             let known = if known.is_empty() { "it has none".into() } else { format!("it has: {}", known.join(", ")) };
             Error::Input(format!("--knob {text}: `{}` has no knob `{name}`; {known}", technique.name))
         })?;
-        let (low, high) = technique.knobs[index].range;
+        if seen.contains(&index) {
+            return Err(Error::Input(format!("--knob {text}: `{name}` is given twice")));
+        }
+        seen.push(index);
+        let Knob { range: (low, high), whole, .. } = technique.knobs[index];
         match value.parse::<f64>() {
-            Ok(v) if (low..=high).contains(&v) => values[index] = v,
-            _ => return Err(Error::Input(format!("--knob {text}: not a number from {low} to {high}"))),
+            Ok(v) if (low..=high).contains(&v) && (!whole || v.fract() == 0.0) => values[index] = v,
+            _ => {
+                let number = if whole { "whole number" } else { "number" };
+                return Err(Error::Input(format!("--knob {text}: not a {number} from {low} to {high}")));
+            }
         }
     }
     Ok(values)
@@ -74,6 +82,7 @@ struct KnobEntry {
     summary: &'static str,
     range: (f64, f64),
     default: f64,
+    whole: bool,
 }
 
 /// The list for people or programs.
@@ -90,9 +99,9 @@ pub fn entries() -> Vec<TechniqueEntry> {
     TECHNIQUES.iter().map(entry).collect()
 }
 
-impl From<&'static etendue_core::technique::Knob> for KnobEntry {
-    fn from(k: &'static etendue_core::technique::Knob) -> KnobEntry {
-        KnobEntry { name: k.name, summary: k.summary, range: k.range, default: k.default }
+impl From<&'static Knob> for KnobEntry {
+    fn from(k: &'static Knob) -> KnobEntry {
+        KnobEntry { name: k.name, summary: k.summary, range: k.range, default: k.default, whole: k.whole }
     }
 }
 
@@ -105,7 +114,8 @@ impl TechniqueEntry {
         }
         for k in &self.knobs {
             let (low, high) = k.range;
-            text += &format!("\n{:12} --knob {}={}: {} ({low} to {high})", "", k.name, k.default, k.summary);
+            let whole = if k.whole { ", whole" } else { "" };
+            text += &format!("\n{:12} --knob {}={}: {} ({low} to {high}{whole})", "", k.name, k.default, k.summary);
         }
         text
     }
@@ -114,7 +124,7 @@ impl TechniqueEntry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use etendue_core::technique::{Knob, Parts};
+    use etendue_core::technique::Parts;
 
     static KNOBBED: TechniqueInfo = TechniqueInfo {
         name: "knobbed",
@@ -123,9 +133,11 @@ mod tests {
         bias: Bias::Unbiased,
         covers: Parts::ALL,
         blind_spots: "",
+        misses: &[],
         knobs: &[
-            Knob { name: "a", summary: "", range: (0.0, 2.0), default: 1.0 },
-            Knob { name: "b", summary: "", range: (-1.0, 1.0), default: 0.5 },
+            Knob { name: "a", summary: "", range: (0.0, 2.0), default: 1.0, whole: false },
+            Knob { name: "b", summary: "", range: (-1.0, 1.0), default: 0.5, whole: false },
+            Knob { name: "n", summary: "", range: (0.0, 8.0), default: 2.0, whole: true },
         ],
         build: |_, _, _| unreachable!("only its knobs are looked at"),
     };
@@ -133,9 +145,10 @@ mod tests {
     #[test]
     fn knobs_are_checked() {
         let parse = |given: &[&str]| knobs(&KNOBBED, &given.iter().map(|s| s.to_string()).collect::<Vec<_>>());
-        assert_eq!(parse(&[]).unwrap(), [1.0, 0.5]);
-        assert_eq!(parse(&["b=-1", "a=2"]).unwrap(), [2.0, -1.0]);
-        for bad in ["a", "c=1", "a=2.1", "a=NaN", "a=", "a=one"] {
+        assert_eq!(parse(&[]).unwrap(), [1.0, 0.5, 2.0]);
+        assert_eq!(parse(&["b=-1", "n=3.0", "a=2"]).unwrap(), [2.0, -1.0, 3.0]);
+        assert!(parse(&["a=1", "b=0", "a=1"]).unwrap_err().to_string().contains("given twice"));
+        for bad in ["a", "c=1", "a=2.1", "a=NaN", "a=", "a=one", "n=1.5", "n=9", "é=1", "a=²"] {
             let error = parse(&[bad]).unwrap_err();
             assert!(error.to_string().contains(bad), "{error}");
             assert_eq!(error.exit_code(), 2);

@@ -151,7 +151,7 @@ fn bad_input_is_refused() {
         (&["render", "cornell", "--sampler", "nonesuch"], &["nonesuch", "independent"]),
         (&["render", "cornell", "--knob", "nonesuch=1"], &["nonesuch"]),
         (&["render", "cornell", "--knob", "nonesuch"], &["nonesuch"]),
-        (&["study", "--knob", "sppm.alpha=0.5"], &["sppm.alpha=0.5", "not studied"]),
+        (&["study", "--techniques", "path", "--knob", "sppm.alpha=0.5"], &["sppm.alpha=0.5", "not studied"]),
         (&["study", "--knob", "alpha=0.5"], &["alpha=0.5", "technique.name=value"]),
         (&["study", "--knob", "path.nonesuch=1"], &["nonesuch", "light_candidates"]),
         (&["render", "cornell", "--parts", "direct,nonesuch"], &["nonesuch"]),
@@ -251,7 +251,8 @@ fn a_pyramid_adds_up_to_the_image() {
         assert!(found || v["s"] == 0, "{v}");
     }
     // These are the paths of the technique, which leaves out a choice of connections that contribute little.
-    let arguments = [&["render", "cornell", "--technique", "bidir"][..], &tiny, &["--out", "image.exr"]].concat();
+    let bidir = ["render", "cornell", "--technique", "bidir", "--sampler", "independent"];
+    let arguments = [&bidir[..], &tiny, &["--out", "image.exr"]].concat();
     json(folder.path(), &arguments);
     let (image, whole) = (read(&folder, "image.exr").layer("").unwrap(), file.layer("").unwrap());
     let (mut mean, mut whole_mean) = (0.0, 0.0);

@@ -13,8 +13,10 @@ fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output).unwrap()
 }
 
-const STUDY: [&str; 15] = [
+const STUDY: [&str; 17] = [
     "study",
+    "--techniques",
+    "path",
     "--scenes",
     "furnace",
     "--reference",
@@ -124,7 +126,7 @@ fn a_study_is_run_once_resumed_and_reported() {
         "<svg class=\"chart\"",
         "class=\"slider\"",
         "type=\"range\"",
-        "to 10 %",
+        "to 10 %<br>",
         "error map",
         "bias²",
         "What the scene calls for",
@@ -132,11 +134,47 @@ fn a_study_is_run_once_resumed_and_reported() {
         assert!(page.contains(part), "{part}");
     }
     assert_eq!(page.matches("<svg class=\"chart\"").count(), 2);
-    assert!(page.contains("cargo xtask study --scenes furnace"));
+    assert!(page.contains("cargo xtask study --techniques path --scenes furnace"));
     for outside in ["http://", "https://", "src=\"/", "@import", "url("] {
         assert!(!page.contains(outside), "{outside}");
     }
     assert!(!page.contains("NaN"));
+}
+
+#[test]
+fn without_names_every_technique_is_studied_that_shows_what_mirrors_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let tiny = ["--passes", "4", "--size", "8", "--depth", "4", "--out", "r"];
+    json(at, &[&["reference", "--scenes", "cornell,ring"], &tiny[..]].concat());
+    for (scene, left_out) in [("cornell", &[][..]), ("ring", &["light"])] {
+        let reference = format!("r/{scene}.exr");
+        let study = ["study", "--scenes", scene, "--reference", &reference, "--out", scene, "--depth", "4"];
+        let short = [&study[..], &["--seconds", "0.02", "--replicates", "2"]].concat();
+        let report = json(at, &short);
+        let names: Vec<&str> =
+            report["summary"].as_array().unwrap().iter().map(|r| r["technique"].as_str().unwrap()).collect();
+        for technique in ["path", "light", "bidir", "photon", "sppm"] {
+            let studied = names.iter().any(|name| name.split(' ').next() == Some(technique));
+            assert_eq!(studied, !left_out.contains(&technique), "{scene}: {names:?}");
+        }
+        let gaps: Vec<&str> = report["gaps"].as_array().unwrap().iter().map(|g| g.as_str().unwrap()).collect();
+        assert_eq!(gaps.len(), left_out.len(), "{gaps:?}");
+        assert!(
+            gaps.iter().all(|g| g.starts_with("ring: light is not studied; left out by light: surfaces")),
+            "{gaps:?}"
+        );
+
+        // What is printed says what the columns mean, and ends with the technique to take.
+        let output = Command::new(env!("CARGO_BIN_EXE_xtask")).current_dir(at).args(&short).assert().success();
+        let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+        assert!(text.starts_with("to 10 %, 3 %, 1 %: time until the error is that"), "{text}");
+        assert_eq!(text.lines().last().unwrap(), report["advice"][0]["text"].as_str().unwrap());
+        assert!(text.lines().last().unwrap().starts_with(&format!("{scene}: ")), "{text}");
+        // Light tracing is studied where it is asked for.
+        let asked = json(at, &[&short[..], &["--techniques", "light"]].concat());
+        assert!(asked["summary"].as_array().unwrap().iter().any(|r| r["technique"] == "light"));
+    }
 }
 
 #[test]

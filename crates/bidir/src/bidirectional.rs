@@ -8,7 +8,7 @@ use etendue_core::{
     scene::Scene,
     specialise_coarsely,
     statistics::render::RenderStatistics,
-    technique::{Bias, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
+    technique::{Bias, Chain, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
 };
 use std::{sync::Arc, time::Instant};
 
@@ -19,19 +19,23 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
     paper: "Lafortune and Willems 1993; Veach and Guibas 1994, 1995",
     bias: Bias::Unbiased,
     covers: Parts::ALL,
-    blind_spots: "point, spot and directional lights, and caustics that they make, seen through mirrors or glass",
+    blind_spots: "point, spot and directional lights seen through mirrors or glass; their caustics, and their light through the \
+                  holes of masks, seen so or through such holes",
+    misses: &[Chain::LightThroughDelta, Chain::CausticThroughDelta],
     knobs: &[
         Knob {
             name: "heuristic",
             summary: "how strategies share a path: 0 balance, 1 power, 2 maximum",
             range: (0.0, 2.0),
             default: 1.0,
+            whole: true,
         },
         Knob {
             name: "particles",
             summary: "paths from lights for each from the camera, all but one for caustics alone; 0: four with mirrors or glass, else one",
             range: (0.0, 64.0),
             default: 0.0,
+            whole: true,
         },
     ],
     build: |scene, settings, knobs| {

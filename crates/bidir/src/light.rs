@@ -10,7 +10,7 @@ use etendue_core::{
     scene::Scene,
     specialise_coarsely,
     statistics::render::{Rays, RenderStatistics},
-    technique::{Bias, Part, Parts, Settings, Technique, TechniqueInfo},
+    technique::{Bias, Chain, Part, Parts, Settings, Technique, TechniqueInfo},
     walk::{Vertex, Walk},
 };
 use glam::{UVec2, Vec2};
@@ -23,7 +23,9 @@ pub static LIGHT: TechniqueInfo = TechniqueInfo {
     paper: "Arvo 1986; Dutré, Lafortune and Willems 1993",
     bias: Bias::Unbiased,
     covers: Parts::ALL,
-    blind_spots: "surfaces that the camera sees through mirrors or smooth glass; point, spot and directional lights seen so",
+    blind_spots: "surfaces that the camera sees through mirrors, smooth glass or the holes of masks; point, spot and directional \
+                  lights seen through mirrors or glass",
+    misses: &[Chain::LightThroughDelta, Chain::CausticThroughDelta, Chain::SurfaceThroughDelta],
     knobs: &[],
     build: |scene, settings, _| Box::new(LightTracer::new(scene, settings)),
 };

@@ -11,6 +11,7 @@ use crate::{
     material::Material,
     rgb::Rgb,
     scene::{DeltaLight, ObjectShape, SceneDescription},
+    technique::Chain,
     texture::Texture,
 };
 use lobes::{collect_lobes, is_mixture};
@@ -181,6 +182,22 @@ impl Census {
     /// Whether light can reach a receiver by way of a caster.
     pub fn has_caustics(&self) -> bool {
         self.casters > 0 && self.receivers > 0 && self.is_lit()
+    }
+
+    /// The chains of vertices that the scene can hold, as far as its lights and lobes tell: where things stand is not looked at.
+    pub fn chains(&self) -> Vec<Chain> {
+        let l = &self.lights;
+        let without_extent = l.point + l.spot + l.projector + l.directional > 0;
+        let any = |f: fn(LobeKind) -> bool| self.lobes.iter().any(|l| f(l.kind));
+        let (delta, rough) = (any(LobeKind::has_delta), any(LobeKind::has_rough));
+        // What is behind a hole is where it would be without it, and a light without an extent is not seen at all.
+        let bends = any(|kind| kind.has_delta() && kind != LobeKind::Null);
+        let holds = |chain: &Chain| match chain {
+            Chain::LightThroughDelta => without_extent && bends,
+            Chain::Caustic | Chain::CausticThroughDelta => without_extent && delta && rough,
+            Chain::SurfaceThroughDelta => self.is_lit() && delta && rough,
+        };
+        Chain::ALL.into_iter().filter(holds).collect()
     }
 
     /// The features that hot loops must be able to handle: bits of [`crate::has`].

@@ -70,6 +70,46 @@ impl Parts {
     }
 }
 
+/// Light that not every technique can render: chains of vertices in which delta lobes, or a light without an extent, leave
+/// no direction and no point to choose.
+///
+/// Mirrors, glass and the holes of masks are delta lobes; point, spot and directional lights and projectors have no extent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chain {
+    /// A light without an extent, seen in mirrors or through glass: the camera, delta lobes, the light.
+    LightThroughDelta,
+    /// A rough surface lit by a light without an extent by way of delta lobes.
+    Caustic,
+    /// That, seen by way of delta lobes in its turn.
+    CausticThroughDelta,
+    /// Rough surfaces, whatever lights them, seen by way of delta lobes.
+    SurfaceThroughDelta,
+}
+
+impl Chain {
+    /// Every chain.
+    pub const ALL: [Chain; 4] =
+        [Chain::LightThroughDelta, Chain::Caustic, Chain::CausticThroughDelta, Chain::SurfaceThroughDelta];
+
+    /// Edges of the shortest path of the chain.
+    pub const fn edges(self) -> u32 {
+        match self {
+            Chain::LightThroughDelta => 2,
+            Chain::Caustic | Chain::SurfaceThroughDelta => 3,
+            Chain::CausticThroughDelta => 4,
+        }
+    }
+
+    /// Whether its light can belong to one of some parts.
+    pub const fn meets(self, parts: Parts) -> bool {
+        match self {
+            Chain::LightThroughDelta => parts.contains(Part::Emission),
+            Chain::Caustic | Chain::CausticThroughDelta => parts.contains(Part::Caustic),
+            Chain::SurfaceThroughDelta => parts.0 & !Parts::NONE.with(Part::Emission).0 != 0,
+        }
+    }
+}
+
 /// What every technique is told.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
@@ -109,6 +149,8 @@ pub struct Knob {
     pub range: (f64, f64),
     /// Value when it is not given.
     pub default: f64,
+    /// Whether it takes whole numbers alone.
+    pub whole: bool,
 }
 
 /// Builds a technique for a scene, with a value for each of its knobs.
@@ -128,6 +170,8 @@ pub struct TechniqueInfo {
     pub covers: Parts,
     /// What it does not cover, one line; empty: it covers everything.
     pub blind_spots: &'static str,
+    /// The same for programs: chains that it never makes.
+    pub misses: &'static [Chain],
     /// Its own settings.
     pub knobs: &'static [Knob],
     /// Builds it for a scene; `knobs` holds one value for each entry of `knobs`, in order and in range.

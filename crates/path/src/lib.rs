@@ -65,7 +65,7 @@ use etendue_core::{
     scene::Scene,
     specialise,
     statistics::render::RenderStatistics,
-    technique::{Bias, Knob, Parts, Settings, Technique, TechniqueInfo},
+    technique::{Bias, Chain, Knob, Parts, Settings, Technique, TechniqueInfo},
 };
 use std::{sync::Arc, time::Instant};
 
@@ -76,7 +76,8 @@ pub static INFO: TechniqueInfo = TechniqueInfo {
     paper: "Kajiya 1986; Veach 1997, ch. 9-10",
     bias: Bias::Unbiased,
     covers: Parts::ALL,
-    blind_spots: "point, spot and directional lights seen through mirrors or glass",
+    blind_spots: "light of point, spot and directional lights that comes by way of mirrors, glass or the holes of masks",
+    misses: &[Chain::LightThroughDelta, Chain::Caustic, Chain::CausticThroughDelta],
     knobs: &[LIGHT_CANDIDATES],
     build: |scene, settings, knobs| {
         let candidates = knobs.first().map_or(1, |k| k.round() as u32);
@@ -95,6 +96,7 @@ const LIGHT_CANDIDATES: Knob = Knob {
     summary: "samples of the lights a vertex looks at before it sends its shadow ray",
     range: (1.0, 64.0),
     default: 1.0,
+    whole: true,
 };
 
 /// The path tracer.

@@ -16,7 +16,7 @@ use etendue_core::{
     scene::Scene,
     specialise_coarsely,
     statistics::render::RenderStatistics,
-    technique::{Bias, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
+    technique::{Bias, Chain, Knob, Part, Parts, Settings, Technique, TechniqueInfo},
 };
 use glam::UVec2;
 use std::{sync::Arc, time::Instant};
@@ -29,36 +29,42 @@ pub static SPPM: TechniqueInfo = TechniqueInfo {
     bias: Bias::Consistent,
     covers: Parts::ALL,
     blind_spots: "point, spot and directional lights seen through mirrors or glass",
+    misses: &[Chain::LightThroughDelta],
     knobs: &[
         Knob {
             name: "photons",
             summary: "photons emitted in a pass, over the number of pixels",
             range: (1e-3, 1e3),
             default: 1.0,
+            whole: false,
         },
         Knob {
             name: "nearest",
             summary: "photons of the pilot, which has four times those of a pass, in the first radius",
             range: (2.0, 1e5),
             default: 20.0,
+            whole: true,
         },
         Knob {
             name: "radius",
             summary: "greatest first radius, over that of the scene",
             range: (1e-6, 10.0),
             default: 0.1,
+            whole: false,
         },
         Knob {
             name: "pixels",
             summary: "greatest first radius in pixels, as large as they are where it is",
             range: (0.1, 1e6),
             default: 16.0,
+            whole: false,
         },
         Knob {
             name: "alpha",
             summary: "how slowly radii shrink: 0 as fast as the error allows, 1 not at all",
             range: (0.0, 1.0),
             default: 0.5,
+            whole: false,
         },
     ],
     build: |scene, settings, knobs| {

@@ -9,6 +9,8 @@ const CONFIDENCE: f64 = 0.95;
 const CLEAR_OF_NOISE: f64 = 2.0;
 /// A slope above this reaches nothing in the time that anybody has.
 const FLATTEST_SLOPE: f64 = -0.05;
+/// The greatest factor between the times that the ends of a slope's interval tell; beyond it, none is told.
+const WIDEST: f64 = 10.0;
 
 /// Replicates at one checkpoint.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +49,8 @@ pub enum Reach {
     Beyond(f64),
     /// Not told: the reference's own error is greater.
     BelowNoise,
+    /// Not told: the slope is too uncertain to go by.
+    Unclear,
     /// Not told: the error does not fall.
     Never,
 }
@@ -56,7 +60,7 @@ impl Reach {
     pub fn seconds(self) -> Option<f64> {
         match self {
             Reach::AtOnce(s) | Reach::Within(s) | Reach::Beyond(s) => Some(s),
-            Reach::BelowNoise | Reach::Never => None,
+            Reach::BelowNoise | Reach::Unclear | Reach::Never => None,
         }
     }
 }
@@ -128,11 +132,22 @@ pub fn reach(points: &[Point], slope: Option<SlopeFit>, noise: f64, target: f64)
             Reach::Within(t0 * (t1 / t0).powf(share))
         }
         _ if target < noise || (curve.is_empty() && noisy) => Reach::BelowNoise,
-        (Some((t, e)), None) => match slope {
-            Some(fit) if fit.slope < FLATTEST_SLOPE => Reach::Beyond(t * (target / e).powf(1.0 / fit.slope)),
-            _ => Reach::Never,
-        },
+        (Some(last), None) => slope.map_or(Reach::Never, |fit| extrapolate(last, fit, target)),
         (None, None) => Reach::Never,
+    }
+}
+
+/// When a target is reached beyond the last point of a curve, along a slope.
+fn extrapolate((seconds, error): (f64, f64), fit: SlopeFit, target: f64) -> Reach {
+    let at = |slope: f64| seconds * (target / error).powf(1.0 / slope);
+    let half_width = fit.half_width.unwrap_or(0.0);
+    let (steepest, flattest) = (fit.slope - half_width, fit.slope + half_width);
+    if flattest < FLATTEST_SLOPE && at(flattest) < WIDEST * at(steepest) {
+        Reach::Beyond(at(fit.slope))
+    } else if steepest < FLATTEST_SLOPE {
+        Reach::Unclear
+    } else {
+        Reach::Never
     }
 }
 
@@ -191,6 +206,11 @@ mod tests {
         assert_eq!(at(1e-4, 2e-4), Reach::BelowNoise);
         assert_eq!(reach(&points, Some(SlopeFit { slope: 0.1, half_width: None }), 0.0, 1e-6), Reach::Never);
         assert_eq!(reach(&[], None, 0.0, 0.1), Reach::Never);
+        let fit = |slope, h| reach(&points, Some(SlopeFit { slope, half_width: Some(h) }), 0.0, 1e-5);
+        // A factor of 78 in the error: from -0.7 to -1.3, between 503 and 29 times as long; from -0.9 to -1.1, 127 to 53.
+        assert_eq!(fit(-1.0, 0.3), Reach::Unclear);
+        assert!(matches!(fit(-1.0, 0.1), Reach::Beyond(_)));
+        assert_eq!((fit(-0.1, 0.5), fit(0.5, 0.5)), (Reach::Unclear, Reach::Never));
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! The report of a study: one page that needs nothing else.
 
+pub mod advice;
 pub mod analysis;
 pub mod chart;
 mod images;
 pub mod page;
 pub mod plot;
+pub mod summary;
 pub mod text;
 
 use crate::{
@@ -19,10 +21,11 @@ use crate::{
     },
     techniques,
 };
+use advice::Advice;
 use analysis::{Point, Reach, SlopeFit};
 use etendue_core::technique::TechniqueInfo;
-use serde::Serialize;
 use std::path::Path;
+pub use summary::SummaryRow;
 
 /// The errors whose times are told: relMSE, and the root of it as a percentage.
 pub const TARGETS: [(f64, &str); 3] = [(1e-2, "10 %"), (1e-3, "3 %"), (1e-4, "1 %")];
@@ -35,6 +38,8 @@ pub struct RunFacts {
     pub processor: String,
     /// Threads.
     pub threads: usize,
+    /// Light that images lack, and techniques that are left out for it.
+    pub gaps: Vec<String>,
 }
 
 /// A technique on a scene.
@@ -72,34 +77,14 @@ pub struct Section {
     pub series: Vec<Series>,
 }
 
-/// A line of the summary, for programs and terminals.
-#[derive(Clone, Debug, Serialize)]
-pub struct SummaryRow {
-    scene: String,
-    technique: String,
-    replicates: usize,
-    passes: u32,
-    seconds: f64,
-    relmse: f64,
-    reference_relmse: Option<f64>,
-    slope: Option<f64>,
-    slope_half_width: Option<f64>,
-    seconds_to_reach: [ReachRow; 3],
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct ReachRow {
-    relmse: f64,
-    seconds: Option<f64>,
-    kind: &'static str,
-}
-
 /// A page and what it sums up.
 pub struct Report {
     /// The page.
     pub html: String,
     /// The summary.
     pub summary: Vec<SummaryRow>,
+    /// For each scene, the technique to take.
+    pub advice: Vec<Advice>,
 }
 
 /// Makes the report of all finished cells.
@@ -121,8 +106,9 @@ pub fn build(results: &Results, references: &References, images: &Path, run: &Ru
         section.series.push(series);
     }
     sections.iter_mut().for_each(label);
-    let summary = sections.iter().flat_map(|s| s.series.iter().map(|series| summary_row(s, series))).collect();
-    Ok(Report { html: page::html(&sections, run), summary })
+    let summary = sections.iter().flat_map(|s| s.series.iter().map(|series| SummaryRow::of(s, series))).collect();
+    let advice: Vec<Advice> = sections.iter().map(Advice::of).collect();
+    Ok(Report { html: page::html(&sections, &advice, run), summary, advice })
 }
 
 /// Whether two groups belong into one chart: they differ in how the image is made, not in what it should be.
@@ -178,34 +164,6 @@ fn label(section: &mut Section) {
     }
 }
 
-fn summary_row(section: &Section, series: &Series) -> SummaryRow {
-    let end = series.end();
-    let row = |(reach, (relmse, _)): (Reach, (f64, &str))| ReachRow {
-        relmse,
-        seconds: reach.seconds(),
-        kind: match reach {
-            Reach::AtOnce(_) => "at once",
-            Reach::Within(_) => "measured",
-            Reach::Beyond(_) => "extrapolated",
-            Reach::BelowNoise => "below the reference's own error",
-            Reach::Never => "not reached",
-        },
-    };
-    let [a, b, c] = [0, 1, 2].map(|i| row((series.reach[i], TARGETS[i])));
-    SummaryRow {
-        scene: section.facts.scene.clone(),
-        technique: series.label.clone(),
-        replicates: end.replicates,
-        passes: end.passes,
-        seconds: end.seconds,
-        relmse: end.relmse.1,
-        reference_relmse: section.facts.own_relmse,
-        slope: series.slope.map(|s| s.slope),
-        slope_half_width: series.slope.and_then(|s| s.half_width),
-        seconds_to_reach: [a, b, c],
-    }
-}
-
 /// A time to reach as text: `~` marks what is extrapolated, `<` what came with the first checkpoint.
 pub fn reach_text(reach: Reach) -> String {
     match reach {
@@ -213,37 +171,7 @@ pub fn reach_text(reach: Reach) -> String {
         Reach::Within(s) => human_seconds(s),
         Reach::Beyond(s) => format!("~ {}", human_seconds(s)),
         Reach::BelowNoise => "below noise".into(),
+        Reach::Unclear => "unclear".into(),
         Reach::Never => "not reached".into(),
-    }
-}
-
-impl SummaryRow {
-    /// The head of the columns.
-    pub fn head() -> String {
-        let names = TARGETS.map(|(_, name)| format!("to {name}"));
-        format!(
-            "{:<22} {:<12} {:>10} {:>9} {:>12} {:>12} {:>12}  slope",
-            "scene", "technique", "relMSE", "after", names[0], names[1], names[2]
-        )
-    }
-
-    /// The columns.
-    pub fn text(&self) -> String {
-        let reach = |r: &ReachRow| match (r.seconds, r.kind) {
-            (Some(s), "extrapolated") => format!("~ {}", human_seconds(s)),
-            (Some(s), "at once") => format!("< {}", human_seconds(s)),
-            (Some(s), _) => human_seconds(s),
-            (None, "not reached") => "not reached".into(),
-            (None, _) => "below noise".into(),
-        };
-        let [a, b, c] = [0, 1, 2].map(|i| reach(&self.seconds_to_reach[i]));
-        let slope = match (self.slope, self.slope_half_width) {
-            (Some(s), Some(h)) => format!("{s:.2} ± {h:.2}"),
-            (Some(s), None) => format!("{s:.2}"),
-            (None, _) => "none".into(),
-        };
-        let after = human_seconds(self.seconds);
-        let (scene, technique) = (text::short_scene(&self.scene), &self.technique);
-        format!("{scene:<22} {technique:<12} {:>10.2e} {after:>9} {a:>12} {b:>12} {c:>12}  {slope}", self.relmse)
     }
 }

@@ -4,10 +4,11 @@ use crate::{
     clock::human_seconds,
     report::{
         RunFacts, Section, Series, TARGETS,
+        advice::Advice,
         analysis::{Reach, SlopeFit},
         chart::{self, Chart, Curve},
         images, reach_text,
-        text::{bytes, count, escape, number, percent, png_url, short_scene},
+        text::{bytes, count, escape, number, percent, png_url, short_scene, superscript},
     },
 };
 
@@ -19,10 +20,10 @@ const SCRIPT: &str = include_str!("script.js");
 pub const COLOURS: usize = 12;
 
 /// The page of all scenes.
-pub fn html(sections: &[Section], run: &RunFacts) -> String {
+pub fn html(sections: &[Section], advice: &[Advice], run: &RunFacts) -> String {
     let body: String = sections.iter().enumerate().map(|(i, s)| section(i, s)).collect();
     let lead = format!("Rendering error over time, from independent replicates, for {}.", scenes_text(sections));
-    let body = format!("{}{body}{}", summary(sections), about(run));
+    let body = format!("{}{}{body}{}", in_short(advice, run), summary(sections), about(run));
     document("What accuracy costs", &lead, &body)
 }
 
@@ -40,6 +41,21 @@ pub fn document(heading: &str, lead: &str, body: &str) -> String {
     )
 }
 
+/// What to take, and what to know before.
+fn in_short(advice: &[Advice], run: &RunFacts) -> String {
+    let item = |a: &Advice| format!("<li>{}</li>", escape(&a.text));
+    let items: String = advice.iter().map(item).collect();
+    let list = |gaps: &[String]| gaps.iter().map(|gap| format!("<li>{}</li>", escape(gap))).collect::<String>();
+    let gaps = match &run.gaps[..] {
+        [] => String::new(),
+        gaps => format!("<h3>Light that is left out</h3><ul class=\"note\">{}</ul>", list(gaps)),
+    };
+    format!(
+        "<section class=\"card\"><h2>In short</h2><ul>{items}</ul><p class=\"note\">An error of 3 % is a relMSE of 10⁻³; the \
+         table below says more. Seconds are those of this machine.</p>{gaps}</section>"
+    )
+}
+
 fn scenes_text(sections: &[Section]) -> String {
     let n = sections.len();
     if n == 1 { "one scene".into() } else { format!("{n} scenes") }
@@ -47,16 +63,25 @@ fn scenes_text(sections: &[Section]) -> String {
 
 fn summary(sections: &[Section]) -> String {
     let rows: String = sections.iter().enumerate().map(|(i, s)| summary_rows(i, s)).collect();
-    let targets: String = TARGETS.iter().map(|(_, name)| format!("<th class=\"n\">to {name}</th>")).collect();
+    let targets = target_heads();
     format!(
-        "<section class=\"card\"><h2>Time to reach an error</h2><div class=\"scroll\"><table class=\"summary\"><thead><tr><th></th>\
+        "<section class=\"card\"><h2>Time to reach an error of 10 %, 3 %, 1 %</h2><div class=\"scroll\"><table class=\"summary\"><thead><tr><th></th>\
          <th>scene</th><th>technique</th>{targets}<th class=\"n\">relMSE</th><th class=\"n\">after</th>\
-         <th class=\"n\">slope <small>(theory −1)</small></th></tr></thead><tbody>{rows}</tbody></table></div>\
+         <th class=\"n\">slope<br><small>independent: −1</small></th></tr></thead><tbody>{rows}</tbody></table></div>\
          <p class=\"note\">An error of 10 %, 3 % or 1 % is a relMSE of 10⁻², 10⁻³ or 10⁻⁴: the mean over pixels of \
          (image − reference)² / (reference² + 0.01). <span class=\"beyond\">~</span> is extrapolated beyond the time \
-         measured; &lt; came with the first pass; <em>below noise</em>: the reference itself is not that exact. \
-         Times include building.</p></section>"
+         measured; &lt; came with the first pass; <em>below noise</em>: the reference itself is not that exact; \
+         <em>unclear</em>: the error falls too unevenly to extrapolate. Times include building.</p></section>"
     )
+}
+
+/// The heads of the columns of times: an error as a percentage, and what that means.
+fn target_heads() -> String {
+    let head = |(relmse, name): &(f64, &str)| {
+        let exponent = superscript(relmse.log10().round() as i32);
+        format!("<th class=\"n\">to {name}<br><small>relMSE 10{exponent}</small></th>")
+    };
+    TARGETS.iter().map(head).collect()
 }
 
 fn summary_rows(index: usize, section: &Section) -> String {
@@ -71,10 +96,10 @@ fn summary_rows(index: usize, section: &Section) -> String {
     let row = |(i, s): (usize, &Series)| {
         let end = s.end();
         format!(
-            "<tr>{}<td>{}{}</td>{}<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
+            "<tr>{}<td class=\"name\">{}{}</td>{}<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
             if i == 0 { head.as_str() } else { "" },
             swatch(i),
-            escape(&s.label),
+            name(s),
             reach_cells(s),
             number(end.relmse.1),
             human_seconds(end.seconds),
@@ -94,7 +119,7 @@ fn reach_cells(series: &Series) -> String {
         let class = match r {
             Reach::AtOnce(_) | Reach::Within(_) => "n within",
             Reach::Beyond(_) => "n beyond",
-            Reach::BelowNoise | Reach::Never => "n none",
+            Reach::BelowNoise | Reach::Unclear | Reach::Never => "n none",
         };
         format!("<td class=\"{class}\">{}</td>", escape(&reach_text(*r)))
     };
@@ -121,11 +146,12 @@ fn section(index: usize, section: &Section) -> String {
     format!(
         "<section class=\"card\" id=\"scene{index}\"><h2>{} <small>{}×{}, {depth}</small></h2>\
          <div class=\"top\"><div class=\"plot\"><div class=\"legend\">{legend}</div>{chart}\
-         <p class=\"note\">Dashed, without the worst 0.1 % of the pixels: far below the line, few pixels hold the error.</p></div>\
-         <aside>{}{}</aside></div>{figures}{}{}</section>",
+         <p class=\"note\">{} Dashed, without the worst 0.1 % of the pixels: far below the line, few pixels hold the error.</p></div>\
+         <aside>{}{}</aside></div><div class=\"figures\">{figures}</div>{}{}</section>",
         escape(short_scene(&f.scene)),
         f.width,
         f.height,
+        replicates(section),
         census(section),
         reference(section),
         errors(section),
@@ -134,15 +160,26 @@ fn section(index: usize, section: &Section) -> String {
 }
 
 fn legend_entry(index: usize, series: &Series) -> String {
-    let end = series.end();
-    format!(
-        "<span>{}{} <small>median and range of {} replicate{}, slope {}</small></span>",
-        swatch(index),
-        escape(&series.label),
-        end.replicates,
-        if end.replicates == 1 { "" } else { "s" },
-        slope(series.slope)
-    )
+    format!("<span>{}{} <small>slope {}</small></span>", swatch(index), name(series), slope(series.slope))
+}
+
+/// A series' technique, and in small letters what else tells it apart.
+fn name(series: &Series) -> String {
+    match series.label.split_once(' ') {
+        Some((technique, rest)) => format!("{} <small>{}</small>", escape(technique), escape(rest)),
+        None => escape(&series.label),
+    }
+}
+
+/// How many replicates the lines and bands of a chart are of.
+fn replicates(section: &Section) -> String {
+    let counts = section.series.iter().map(|s| s.end().replicates);
+    let (least, most) = (counts.clone().min().unwrap_or(0), counts.max().unwrap_or(0));
+    match (least, most) {
+        (1, 1) => "Of one replicate each.".into(),
+        (least, most) if least == most => format!("Lines: the median of {most} replicates; bands: their range."),
+        (least, most) => format!("Lines: the median of {least} to {most} replicates; bands: their range."),
+    }
 }
 
 fn census(section: &Section) -> String {
@@ -177,7 +214,7 @@ fn reference(section: &Section) -> String {
 }
 
 fn errors(section: &Section) -> String {
-    let targets: String = TARGETS.iter().map(|(_, name)| format!("<th class=\"n\">to {name}</th>")).collect();
+    let targets = target_heads();
     let columns = [
         "relMSE",
         "trimmed",
@@ -212,7 +249,7 @@ fn errors(section: &Section) -> String {
             count(l.rejected),
         ];
         let cells: String = cells.iter().map(|c| format!("<td class=\"n\">{c}</td>")).collect();
-        let name = format!("{}{}", swatch(i), escape(&s.label));
+        let name = format!("{}{}", swatch(i), name(s));
         (
             format!("<tr><td>{name}</td>{}<td class=\"n\">{}</td></tr>", reach_cells(s), slope(s.slope)),
             format!("<tr><td>{name}</td>{cells}</tr>"),

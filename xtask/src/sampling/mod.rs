@@ -93,7 +93,9 @@ impl Study {
 /// What is printed.
 #[derive(Serialize)]
 struct Summary<'a> {
+    #[serde(serialize_with = "files::path_text")]
     report: PathBuf,
+    #[serde(serialize_with = "files::path_text")]
     results: PathBuf,
     seconds: f64,
     slopes: Vec<&'a convergence::Series>,

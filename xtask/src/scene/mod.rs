@@ -5,14 +5,17 @@ mod images;
 use crate::{
     cli::SceneArgs,
     clock::{self, Cost, human_seconds, timed},
+    coverage,
     error::Error,
     files,
     hash::scene_hash,
+    techniques::TECHNIQUES,
 };
 use etendue_core::{
     camera::{CameraDescription, Projection},
     effects::{Census, LightCount},
     scene::{ObjectShape, Scene},
+    technique::Parts,
 };
 use etendue_scenes::{LoadedScene, load_with};
 use images::{Images, images};
@@ -45,6 +48,8 @@ pub struct SceneReport {
     memory: Memory,
     notes: Vec<String>,
     effects: Vec<String>,
+    /// Light that some technique cannot render.
+    gaps: Vec<String>,
 }
 
 /// Shapes by kind, those of groups once.
@@ -145,6 +150,7 @@ impl SceneReport {
             },
             notes: loaded.notes.clone(),
             effects: census.to_string().lines().map(str::to_owned).collect(),
+            gaps: coverage::gaps(d, loaded.max_depth, Parts::ALL, TECHNIQUES),
         }
     }
 
@@ -179,7 +185,9 @@ impl SceneReport {
             ),
         ]);
         let mut text: String = rows.iter().map(|(name, value)| format!("{name:<10} {value}\n")).collect();
-        for (title, lines) in [("effects", &self.effects), ("notes", &self.notes)] {
+        for (title, lines) in
+            [("effects", &self.effects), ("light that some techniques leave out", &self.gaps), ("notes", &self.notes)]
+        {
             if !lines.is_empty() {
                 text += &format!("{title}\n  {}\n", lines.join("\n  "));
             }

@@ -9,7 +9,7 @@ pub mod results;
 
 use crate::{
     cli::StudyArgs,
-    clock,
+    clock, coverage,
     error::Error,
     exr_file::ExrFile,
     files, interrupt,
@@ -17,9 +17,11 @@ use crate::{
     picture::Picture,
     progress::Progress,
     reference::{DEFAULT_SIZE, Reference},
-    report::{self, RunFacts},
+    report::{self, RunFacts, advice::Advice},
+    techniques::{self, TECHNIQUES},
 };
 use cell::{End, Finished, Plan};
+use etendue_core::technique::{Chain, Parts, TechniqueInfo};
 use references::{Found, References, Want};
 use replicates::{Sums, sums_path};
 use results::{Group, Results};
@@ -33,12 +35,17 @@ use std::{
 /// What a study came to, as it is printed.
 #[derive(Serialize)]
 struct StudyReport {
+    #[serde(serialize_with = "files::path_text")]
     report: PathBuf,
+    #[serde(serialize_with = "files::path_text")]
     results: PathBuf,
     cells_run: usize,
     cells_kept: usize,
     interrupted: bool,
+    /// Light that images lack, and techniques that are left out for it.
+    gaps: Vec<String>,
     summary: Vec<report::SummaryRow>,
+    advice: Vec<Advice>,
 }
 
 /// A scene with a technique and a sampler, what it is compared with, and under which key.
@@ -65,7 +72,8 @@ pub fn scene_list(pieces: &[String]) -> Vec<String> {
 
 /// The command.
 pub fn run(args: &StudyArgs) -> Result<(), Error> {
-    let jobs = load_jobs(args)?;
+    let (jobs, gaps) = load_jobs(args)?;
+    gaps.iter().for_each(|gap| eprintln!("warning: {gap}"));
     create(&args.out)?;
     let images = args.out.join("images");
     create(&images)?;
@@ -108,7 +116,8 @@ pub fn run(args: &StudyArgs) -> Result<(), Error> {
         return Err(Error::Interrupted);
     }
     fill(&mut results, &images, &references)?;
-    let facts = RunFacts { command: command_line(), processor: clock::processor(), threads: args.image.threads() };
+    let (command, processor) = (command_line(), clock::processor());
+    let facts = RunFacts { command, processor, threads: args.image.threads(), gaps: gaps.clone() };
     let page = report::build(&results, &references, &images, &facts)?;
     let path = args.out.join("report.html");
     files::write_whole(&path, |w| std::io::Write::write_all(w, page.html.as_bytes()))?;
@@ -118,16 +127,18 @@ pub fn run(args: &StudyArgs) -> Result<(), Error> {
         cells_run,
         cells_kept,
         interrupted: interrupt::asked(),
+        gaps,
         summary: page.summary,
+        advice: page.advice,
     };
     if args.json { files::print_json(&study) } else { files::print(&study.text()) }
 }
 
 /// Everything that can be wrong with what is asked for, before anything is written.
-fn load_jobs(args: &StudyArgs) -> Result<Vec<Job>, Error> {
+fn load_jobs(args: &StudyArgs) -> Result<(Vec<Job>, Vec<String>), Error> {
     let scenes = scene_list(&args.scenes);
-    if scenes.is_empty() || args.techniques.is_empty() || args.samplers.is_empty() {
-        return Err(Error::Input("a study needs a scene, a technique and a sampler".into()));
+    if scenes.is_empty() || args.samplers.is_empty() {
+        return Err(Error::Input("a study needs a scene and a sampler".into()));
     }
     let mut size = args.image.size;
     if let Some(path) = &args.reference {
@@ -137,33 +148,57 @@ fn load_jobs(args: &StudyArgs) -> Result<Vec<Job>, Error> {
         size = size.or(Some(Size::Exact(Reference::read(path)?.picture.size)));
     }
     let own = own_knobs(args)?;
-    let wish = |scene: &str, technique: &String, sampler: &String| Wish {
-        technique: technique.clone(),
-        // What is given last holds.
-        knobs: presets::knobs(scene, technique)
-            .into_iter()
-            .chain(own.iter().filter(|(t, _)| *t == technique).map(|(_, knob)| knob.to_string()))
-            .collect(),
-        sampler: sampler.clone(),
+    let wish = |scene: &str, technique: &str, sampler: &str| Wish {
+        technique: technique.to_owned(),
+        knobs: {
+            let given: Vec<&str> = own.iter().filter(|(t, _)| *t == technique).map(|(_, knob)| *knob).collect();
+            presets::knobs(scene, technique, &given)
+        },
+        sampler: sampler.to_owned(),
         parts: vec![],
         size: size.or(Some(DEFAULT_SIZE)),
         depth: args.image.depth,
         load: args.load.into(),
     };
-    let mut jobs = Vec::new();
+    let (mut jobs, mut gaps) = (Vec::new(), Vec::new());
     for scene in &scenes {
-        for technique in &args.techniques {
-            for sampler in &args.samplers {
-                jobs.push(Job::load(scene, &wish(scene, technique, sampler))?);
+        let mut studied = Vec::new();
+        for &technique in &asked_for(args)? {
+            let job = Job::load(scene, &wish(scene, technique.name, &args.samplers[0]))?;
+            let (description, depth) = (&job.scene.description, job.key.depth);
+            // An image without all that is seen in mirrors is no match for others, unless it is asked for.
+            let chain = Chain::SurfaceThroughDelta;
+            if args.techniques.is_empty() && coverage::misses(technique, chain, description, depth) {
+                let left_out = coverage::gaps(description, depth, Parts::ALL, &[technique]).pop();
+                gaps.extend(left_out.map(|gap| format!("{scene}: {} is not studied; {gap}", technique.name)));
+                continue;
+            }
+            studied.push(technique);
+            jobs.push(job);
+            for sampler in &args.samplers[1..] {
+                jobs.push(Job::load(scene, &wish(scene, technique.name, sampler))?);
             }
         }
+        if let Some(job) = jobs.last() {
+            let left_out = coverage::gaps(&job.scene.description, job.key.depth, Parts::ALL, &studied);
+            gaps.extend(left_out.into_iter().map(|gap| format!("{scene}: {gap}")));
+        }
     }
-    Ok(jobs)
+    Ok((jobs, gaps))
+}
+
+/// The techniques that are asked for; all that there are where none is.
+fn asked_for(args: &StudyArgs) -> Result<Vec<&'static TechniqueInfo>, Error> {
+    match &args.techniques[..] {
+        [] => Ok(TECHNIQUES.to_vec()),
+        given => given.iter().map(|name| techniques::find(name)).collect(),
+    }
 }
 
 /// Knobs that were given, with their techniques.
 fn own_knobs(args: &StudyArgs) -> Result<Vec<(&str, &str)>, Error> {
-    let studied = |technique: &str| args.techniques.iter().any(|t| t == technique);
+    let techniques = asked_for(args)?;
+    let studied = |technique: &str| techniques.iter().any(|t| t.name == technique);
     let mut knobs = Vec::new();
     for text in &args.knobs {
         match text.split_once('.') {
@@ -289,26 +324,26 @@ fn fill(results: &mut Results, images: &Path, references: &References) -> Result
     results.fill(|group, passes| Ok(known.get(&(group.file_stem(), passes)).copied().flatten()))
 }
 
-/// How this program was started, as one would type it.
 /// The command as it was typed.
 pub fn command_line() -> String {
     let quote = |a: String| {
         let plain = a.chars().all(|c| c.is_ascii_alphanumeric() || "-_=.,:/+@%".contains(c));
         if plain && !a.is_empty() { a } else { format!("'{}'", a.replace('\'', r"'\''")) }
     };
-    let arguments = std::env::args().skip(1).map(quote);
+    let arguments = std::env::args_os().skip(1).map(|a| quote(a.to_string_lossy().into_owned()));
     std::iter::once("cargo xtask".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
 impl StudyReport {
     fn text(&self) -> String {
-        let rows = self.summary.iter().map(report::SummaryRow::text);
-        let mut lines: Vec<String> = std::iter::once(report::SummaryRow::head()).chain(rows).collect();
+        let mut lines = vec![report::summary::table(&self.summary), String::new()];
         lines.push(format!("{} cells run, {} were there already", self.cells_run, self.cells_kept));
         if self.interrupted {
             lines.push("interrupted: the same command goes on from here".into());
         }
         lines.push(format!("report: {}", self.report.display()));
+        lines.push(String::new());
+        lines.extend(self.advice.iter().map(|a| a.text.clone()));
         lines.join("\n")
     }
 }

@@ -13,11 +13,15 @@ const PRESETS: [Preset; 6] = [
     ("pool", "photon", &["caustic_photons=300000", "nearest=50"]),
 ];
 
-/// The knobs of a technique in a study of a scene, which may have parameters; knobs that are not named have their defaults.
-pub fn knobs(scene: &str, technique: &str) -> Vec<String> {
+/// The knobs of a technique in a study of a scene, which may have parameters: those that are given, and before them the
+/// scene's own of other names; what is not named has its default.
+pub fn knobs(scene: &str, technique: &str, given: &[&str]) -> Vec<String> {
     let name = scene.split(':').next().unwrap_or(scene);
     let preset = PRESETS.iter().find(|(s, t, _)| (*s, *t) == (name, technique));
-    preset.map_or_else(Vec::new, |(_, _, knobs)| knobs.iter().map(|k| k.to_string()).collect())
+    let knob = |text: &str| text.split('=').next().map(str::to_owned);
+    let own = preset.into_iter().flat_map(|(_, _, own)| own.iter());
+    let own = own.filter(|own| given.iter().all(|given| knob(given) != knob(own)));
+    own.chain(given).map(|k| k.to_string()).collect()
 }
 
 #[cfg(test)]
@@ -32,7 +36,8 @@ mod tests {
             let given: Vec<String> = turned.iter().map(|k| k.to_string()).collect();
             techniques::knobs(techniques::find(technique).unwrap(), &given).unwrap();
         }
-        assert_eq!(knobs("ring:radius=1", "photon").len(), 2);
-        assert!(knobs("ring", "path").is_empty() && knobs("veach-mis", "photon").is_empty());
+        assert_eq!(knobs("ring:radius=1", "photon", &[]).len(), 2);
+        assert!(knobs("ring", "path", &[]).is_empty() && knobs("veach-mis", "photon", &[]).is_empty());
+        assert_eq!(knobs("ring", "photon", &["nearest=7"]), ["caustic_photons=50000", "nearest=7"]);
     }
 }

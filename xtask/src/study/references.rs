@@ -4,7 +4,7 @@
 use crate::{
     error::Error,
     files,
-    job::{Job, Wish},
+    job::Job,
     reference::{self, Reference, Store},
     render::Budget,
     study::region::Region,
@@ -125,8 +125,7 @@ impl References {
         }
         // Made with every part of the light, whatever the study is of.
         let wish = reference::wish(Some(crate::job::Size::Exact(job.key.size())), Some(job.key.depth), job.load);
-        let wish = Wish { technique: reference::technique(&job.key.scene).into(), ..wish };
-        let maker = Job::load(&job.key.scene, &wish)?;
+        let maker = Job::load(&job.key.scene, &wish)?.by(reference::technique(job))?;
         let made = reference::make(&maker, want.threads, want.seed, Budget::Seconds(seconds))?;
         let Some((mut reference, entry)) = made else { return Ok(None) };
         let region = limit(job, &mut reference, want)?;

@@ -52,6 +52,18 @@ impl LobeKind {
     }
 }
 
+impl LobeKind {
+    /// Whether it scatters into single directions, if only in part.
+    pub const fn has_delta(self) -> bool {
+        matches!(self, LobeKind::Plastic) || !self.has_rough()
+    }
+
+    /// Whether it scatters into a range of directions, if only in part.
+    pub const fn has_rough(self) -> bool {
+        !matches!(self, LobeKind::Conductor | LobeKind::Dielectric | LobeKind::ThinDielectric | LobeKind::Null)
+    }
+}
+
 /// Whether two materials share every point.
 pub(super) fn is_mixture(material: &Material) -> bool {
     match material {

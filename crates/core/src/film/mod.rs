@@ -80,6 +80,10 @@ pub enum FilmError {
 impl Film {
     /// An estimate of this value or above, in any channel, is rejected: `2^32`.
     pub const ESTIMATE_LIMIT: f32 = FixedSum::TERM_LIMIT as f32;
+    /// The most pixels a side of an image that a file or a person may ask for: `2^16`.
+    pub const MOST_PER_SIDE: u32 = 1 << 16;
+    /// The most pixels of such an image: `2^28`. A film takes about 100 bytes for each.
+    pub const MOST_PIXELS: u64 = 1 << 28;
 
     /// A film without a pass.
     pub fn new(resolution: UVec2, filter: Filter) -> Film {

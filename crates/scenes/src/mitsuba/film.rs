@@ -6,9 +6,9 @@ use etendue_core::{camera::Crop, filter::Filter};
 use glam::UVec2;
 
 /// The largest width and height of a film.
-const LARGEST_SIDE: i64 = 1 << 16;
+const LARGEST_SIDE: i64 = etendue_core::film::Film::MOST_PER_SIDE as i64;
 /// The most pixels of a film.
-const MOST_PIXELS: i64 = 1 << 28;
+const MOST_PIXELS: i64 = etendue_core::film::Film::MOST_PIXELS as i64;
 
 /// The standard deviation of Mitsuba's own filter, pixels.
 const DEFAULT_STDDEV: f32 = 0.5;

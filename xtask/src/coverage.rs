@@ -1,0 +1,63 @@
+//! Light that a technique cannot render, said by name before it is missing from an image.
+
+use crate::techniques::TECHNIQUES;
+use etendue_core::{
+    effects::Census,
+    scene::{DeltaLight, SceneDescription},
+    technique::{Chain, Parts, TechniqueInfo},
+};
+
+/// The most lights that are named.
+const NAMED: usize = 3;
+
+/// Whether a technique leaves out light that the scene can have.
+pub fn misses(technique: &TechniqueInfo, chain: Chain, scene: &SceneDescription, depth: u32) -> bool {
+    technique.misses.contains(&chain) && chain.edges() <= depth && Census::of(scene).chains().contains(&chain)
+}
+
+/// What some techniques leave out of a scene's image, a sentence for each kind of light.
+pub fn gaps(scene: &SceneDescription, depth: u32, parts: Parts, techniques: &[&TechniqueInfo]) -> Vec<String> {
+    let chains = Census::of(scene).chains().into_iter().filter(|c| c.edges() <= depth && c.meets(parts));
+    let gap = |chain: Chain| {
+        let missing = names(techniques.iter().copied().filter(|t| t.misses.contains(&chain)))?;
+        let there = names(TECHNIQUES.iter().copied().filter(|t| !t.misses.contains(&chain)));
+        let rest = there.map_or_else(|| "no technique here renders it".into(), |t| format!("rendered by: {t}"));
+        Some(format!("left out by {missing}: {}; {rest}", light(chain, scene)))
+    };
+    chains.filter_map(gap).collect()
+}
+
+/// Names with commas between them; none without any.
+fn names<'a>(techniques: impl Iterator<Item = &'a TechniqueInfo>) -> Option<String> {
+    let names: Vec<&str> = techniques.map(|t| t.name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// The light of a chain in words.
+fn light(chain: Chain, scene: &SceneDescription) -> String {
+    let (by_way, lights) = ("by way of mirrors, glass or the holes of masks", lights(scene));
+    match chain {
+        Chain::LightThroughDelta => format!("{lights}, as seen in mirrors or through glass"),
+        Chain::Caustic => format!("what falls on surfaces {by_way}, of {lights}"),
+        Chain::CausticThroughDelta => format!("what falls on surfaces {by_way} and is seen so once more, of {lights}"),
+        Chain::SurfaceThroughDelta => format!("surfaces that are seen {by_way}, whatever lights them"),
+    }
+}
+
+/// The lights without an extent, by name.
+fn lights(scene: &SceneDescription) -> String {
+    let name = |light: &etendue_core::scene::LightDescription| {
+        let kind = match light.kind {
+            DeltaLight::Point { .. } => "point light",
+            DeltaLight::Spot { .. } => "spot light",
+            DeltaLight::Projector { .. } => "projector",
+            DeltaLight::Directional { .. } => "directional light",
+        };
+        format!("the {kind} `{}`", light.name)
+    };
+    let named: Vec<String> = scene.lights.iter().take(NAMED).map(name).collect();
+    match scene.lights.len().saturating_sub(NAMED) {
+        0 => named.join(", "),
+        more => format!("{} and {more} more", named.join(", ")),
+    }
+}
