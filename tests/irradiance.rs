@@ -82,7 +82,7 @@ fn disks() {
         let radiance = (height / radius * (height / radius)) as f32;
         let to_world = DAffine3::from_scale_rotation_translation(
             DVec3::splat(radius),
-            glam::DQuat::from_rotation_x(PI / 2.0),
+            DQuat::from_rotation_x(PI / 2.0),
             DVec3::Y * height,
         );
         let light = emitting(object("light", ObjectShape::Disk, to_world, 1), radiance);
@@ -106,7 +106,7 @@ fn lights_without_an_extent() {
         shows("spot on its axis", &delta_lit_floor(1e-5, spot), f64::from(intensity.g) * position.y / cubed);
     }
     // 0.4 radians off the axis, where the intensity has fallen to half.
-    let axis = glam::DQuat::from_rotation_x(0.4) * -position;
+    let axis = DQuat::from_rotation_x(0.4) * -position;
     let spot = DeltaLight::Spot { position, direction: axis, intensity, beam: 0.2, cutoff: 0.6, image: None };
     shows("spot off its axis", &delta_lit_floor(1e-5, spot), 0.5 * f64::from(intensity.g) * position.y / cubed);
     let directional = DeltaLight::Directional { direction: DVec3::new(1.0, -2.0, 0.5), irradiance: Rgb::splat(1.5) };
