@@ -241,3 +241,30 @@ fn images_are_as_bright_as_they_must_be() {
         }
     }
 }
+
+/// The inside of a sphere lit from its middle, where everything is alike: what is gathered has the exact mean at any number of
+/// photons in an estimate, with irradiance ahead and without.
+#[test]
+fn final_gathering_has_the_exact_mean() {
+    const ALBEDO: f64 = 0.7;
+    let lamp = DeltaLight::Point { position: DVec3::ZERO, intensity: Rgb::WHITE };
+    let scene = SceneDescription {
+        camera: Some(pinhole(DVec3::Z * -3.0, DVec3::ZERO, 0.7, 16)),
+        materials: vec![grey(ALBEDO as f32)],
+        objects: vec![sphere("walls", DVec3::ZERO, 5.0, 0)],
+        lights: vec![LightDescription { name: "lamp".into(), kind: lamp }],
+        ..SceneDescription::default()
+    };
+    let mut run = Run::of(&scene, Filter::Box, 8);
+    run.settings.parts = Parts::NONE.with(Part::Indirect);
+    // Reflected once is direct light; up to seven times, what paths of eight edges are.
+    let truth = (2..8).map(|bounces| ALBEDO.powi(bounces)).sum::<f64>() / (25.0 * PI);
+    for nearest in [5.0, 10.0, 50.0, 500.0] {
+        for irradiance in [0.0, 1.0, 4.0] {
+            let found = means(&run, &PHOTON, &[("nearest", nearest), ("irradiance", irradiance)], 0, 8);
+            let z = (found.mean() - truth) / found.standard_error();
+            println!("{nearest} nearest, irradiance {irradiance}: {:.6} against {truth:.6}, {z:+.2}", found.mean());
+            assert!(z.abs() < limit(REPLICATES), "{nearest}, {irradiance}: {found:?} {truth}");
+        }
+    }
+}

@@ -172,7 +172,7 @@ fn odd_maps_give_finite_estimates() {
                     assert!(!empty || estimate.is_none_or(|e| e.radiance.is_black()));
                 }
             }
-            map.irradiance(1, &gathering).tree.payloads().iter().for_each(|i| assert!(i.value.is_valid()));
+            map.irradiance(map.clone(), 1, &gathering).tree.payloads().iter().for_each(|i| assert!(i.value.is_valid()));
         }
     }
 }

@@ -185,9 +185,9 @@ impl Eye<'_> {
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }
             Indirect::Gather { global, irradiance } if wide > 0 => {
-                let ahead = irradiance
-                    .zip(lambert(vertex))
-                    .and_then(|(map, reflectance)| map.radiance(vertex, reflectance, self.settings.max_depth, found));
+                let ahead = irradiance.zip(*global).zip(lambert(vertex)).and_then(|((places, global), reflectance)| {
+                    places.radiance(vertex, reflectance, global.map, &global.gathering, found)
+                });
                 let estimate = ahead.or_else(|| ask::<HAS>(global, vertex, found));
                 // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
                 // [Jensen 1996, sec. 4.2].

@@ -19,22 +19,12 @@ pub fn is_narrow<const HAS: u32>(bsdf: &Bsdf) -> bool {
 
 #[inline]
 fn is_narrow_lobe(lobe: &Lobe) -> bool {
-    match lobe {
-        Lobe::RoughConductor { roughness, .. } | Lobe::RoughDielectric { roughness, .. } => {
-            roughness.alpha.min_element() <= NARROW_ALPHA || lobe.is_delta()
-        }
-        _ => lobe.is_delta(),
-    }
+    lobe.width() <= NARROW_ALPHA
 }
 
 /// Whether any surface of a scene may take photons.
 pub fn takes_photons(census: &Census) -> bool {
-    census.is_lit()
-        && census.lobes.iter().any(|l| match l.kind {
-            LobeKind::Conductor | LobeKind::Dielectric | LobeKind::ThinDielectric | LobeKind::Null => false,
-            LobeKind::RoughConductor | LobeKind::RoughDielectric => l.alpha.1 > NARROW_ALPHA,
-            _ => true,
-        })
+    census.is_lit() && census.lobes.iter().any(|l| l.alpha.1 > NARROW_ALPHA)
 }
 
 /// Whether light can reach a surface that takes photons by way of one that does not: else no caustic photon is traced.
