@@ -172,7 +172,11 @@ fn odd_maps_give_finite_estimates() {
                     assert!(!empty || estimate.is_none_or(|e| e.radiance.is_black()));
                 }
             }
-            map.irradiance(map.clone(), 1, &gathering).tree.payloads().iter().for_each(|i| assert!(i.value.is_valid()));
+            map.irradiance(map.clone(), 1, &gathering, |_, _, _| true)
+                .tree
+                .payloads()
+                .iter()
+                .for_each(|i| assert!(i.value.is_valid()));
         }
     }
 }

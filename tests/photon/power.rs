@@ -144,7 +144,7 @@ fn irradiance_ahead_is_right_on_average() {
                 PhotonMap::new(job.trace::<{ has::ALL }>().photons)
             };
             let map = traced(0, 20_000);
-            let places = map.irradiance(traced(1, 5_000), 4, &gathering);
+            let places = map.irradiance(traced(1, 5_000), 4, &gathering, |_, _, _| true);
             // Far from the border, past which there are no photons.
             let inside = (0..places.tree.len() as u32).filter(|i| places.tree.position(*i).abs().max_element() < 7.0);
             at_places.push(inside.map(|i| f64::from(places.tree.payload(i).value.g)).collect::<Moments>().mean());
@@ -154,9 +154,10 @@ fn irradiance_ahead_is_right_on_average() {
                 let limits = Limits { max_depth: 2, roulette_depth: 9 };
                 let mut walk = Walk::<{ has::ALL }>::from_camera(&scene, limits, film, Vec2::ZERO);
                 let Vertex::Surface(vertex) = walk.trace(&mut Rays::default()) else { panic!("there is a floor") };
-                places.radiance(&vertex, Rgb::splat(std::f32::consts::PI), &map, &gathering, &mut room)
+                let (p, place) = places.place(&vertex, gathering.radius, &mut room)?;
+                Some(place.reflected(p, 2, Rgb::splat(std::f32::consts::PI), (&map, &gathering), &mut room))
             });
-            found_there.push(spread.map(|e| f64::from(e.radiance.g)).collect::<Moments>().mean());
+            found_there.push(spread.map(|e| f64::from(e.g)).collect::<Moments>().mean());
         }
         hold(&format!("{nearest} nearest, at places"), at_places.into_iter(), 3.0);
         hold(&format!("{nearest} nearest, as found"), found_there.into_iter(), 3.0);

@@ -184,19 +184,39 @@ impl Eye<'_> {
                 let estimate = photons.map.radiance_within::<HAS>(vertex, &photons.gathering, radius);
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }
-            Indirect::Gather { global, irradiance } if wide > 0 => {
-                let ahead = irradiance.zip(*global).zip(lambert(vertex)).and_then(|((places, global), reflectance)| {
-                    places.radiance(vertex, reflectance, global.map, &global.gathering, found)
-                });
-                let estimate = ahead.or_else(|| ask::<HAS>(global, vertex, found));
+            Indirect::Gather { global: Some(global), irradiance } if wide > 0 => {
                 // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
                 // [Jensen 1996, sec. 4.2].
-                let near = |e: &Estimate| vertex.from.distance_squared(vertex.surface.p) < e.radius * e.radius;
-                if wide == 1 && estimate.as_ref().is_some_and(near) {
-                    let caustics = reflected(ask::<HAS>(&self.caustics, vertex, found));
-                    return Look { reflected: caustics, direct: true, ends: false };
+                let from2 = vertex.from.distance_squared(vertex.surface.p);
+                let resolves = |radius: f32| wide > 1 || from2 >= radius * radius;
+                let known = match irradiance {
+                    // Where no place stands for what is around, they always do.
+                    Some(places) => places
+                        .place(vertex, global.gathering.radius, found)
+                        .filter(|(_, place)| resolves(place.reach))
+                        .map(|(p, place)| match lambert(vertex) {
+                            Some(reflectance) => {
+                                let map = (global.map, &global.gathering);
+                                place.reflected(p, vertex.depth, reflectance, map, found)
+                            }
+                            None => reflected(global.reflected::<HAS>(vertex, found)),
+                        }),
+                    None => match global.reflected::<HAS>(vertex, found) {
+                        Some(estimate) => resolves(estimate.radius).then_some(estimate.radiance),
+                        None => Some(Rgb::BLACK),
+                    },
+                };
+                match known {
+                    Some(reflected) => Look { reflected, direct: false, ends: true },
+                    None => Look {
+                        reflected: reflected(ask::<HAS>(&self.caustics, vertex, found)),
+                        direct: true,
+                        ends: false,
+                    },
                 }
-                Look { reflected: reflected(estimate), direct: false, ends: true }
+            }
+            Indirect::Gather { global: None, .. } if wide > 0 => {
+                Look { reflected: Rgb::BLACK, direct: false, ends: true }
             }
             _ => Look { reflected: reflected(ask::<HAS>(&self.caustics, vertex, found)), direct: true, ends: false },
         }

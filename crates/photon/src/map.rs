@@ -52,7 +52,7 @@ pub struct Irradiance {
     pub value: Rgb,
     /// Normal of the surface on the side that it arrives on.
     pub normal: Octahedral,
-    /// How far from the place it may stand for what arrives, metres.
+    /// How far from the place it may stand for what arrives, metres; 0 where photons are gathered from what is no clear surface.
     pub reach: f32,
     /// Edges of the longest of the photons' paths from a light.
     pub longest: u32,
@@ -194,8 +194,15 @@ impl PhotonMap {
     }
 
     /// Irradiance at the places of other photons, which are independent of these and one for `every` of them
-    /// [Christensen 1999]. Photons count with paths of any length.
-    pub fn irradiance(&self, places: PhotonMap, every: usize, gathering: &Gathering) -> IrradianceMap {
+    /// [Christensen 1999]. Photons count with paths of any length. Whether the surface at a point with a normal is clear as far
+    /// as a radius, `is_clear` says.
+    pub fn irradiance(
+        &self,
+        places: PhotonMap,
+        every: usize,
+        gathering: &Gathering,
+        is_clear: impl Fn(Vec3, Vec3, f32) -> bool + Sync,
+    ) -> IrradianceMap {
         // As far as an estimate reaches, told from places alone.
         let around = Gathering { nearest: gathering.nearest.div_ceil(every), ..*gathering };
         let blank = Irradiance { value: Rgb::BLACK, normal: Octahedral::new(Vec3::Y), reach: 0.0, longest: 0 };
@@ -210,6 +217,10 @@ impl PhotonMap {
                 });
                 let farthest = others.iter().max().map_or(0.0, |n| n.distance_squared());
                 let reach = disk(others.len(), farthest, &around).0.sqrt();
+                if !is_clear(p, facing, reach) {
+                    *known = (p, Irradiance { normal, ..blank });
+                    continue;
+                }
                 let (value, longest) = self.irradiance_at(p, facing, gathering, u32::MAX, &mut found);
                 *known = (p, Irradiance { value, normal, reach, longest });
             }
@@ -252,31 +263,37 @@ impl Gathering {
 }
 
 impl IrradianceMap {
-    /// What a Lambert surface reflects by the irradiance of the nearest place; `None` where there is no place near: within its
-    /// reach (a place in bright light has a small one, and does not shine on what is dark). Where some of the photons around the
-    /// place make paths of more edges than are asked for, they are gathered anew from `map`.
+    /// The nearest place, if there is one near: within its reach. (A place in bright light has a small one, and does not shine
+    /// on what is dark.)
     #[inline]
-    pub fn radiance(
-        &self,
-        vertex: &SurfaceVertex,
-        reflectance: Rgb,
-        map: &PhotonMap,
-        gathering: &Gathering,
-        found: &mut Neighbours,
-    ) -> Option<Estimate> {
+    pub fn place(&self, vertex: &SurfaceVertex, radius: f32, found: &mut Neighbours) -> Option<(Vec3, &Irradiance)> {
         let facing = facing(vertex);
         let keep = |i: u32| belongs(self.tree.payload(i).normal, facing, true);
-        let near = *self.tree.k_nearest_where(vertex.surface.p, 1, gathering.radius, found, keep).first()?;
+        let near = self.tree.k_nearest_where(vertex.surface.p, 1, radius, found, keep).first()?;
         let place = self.tree.payload(near.index());
-        if near.distance_squared() > place.reach * place.reach {
-            return None;
-        }
-        let longest = gathering.max_depth.saturating_sub(vertex.depth);
-        let value = if place.longest > longest {
-            map.irradiance_at(self.tree.position(near.index()), place.normal.vector(), gathering, longest, found).0
+        let within = near.distance_squared() < place.reach * place.reach;
+        within.then(|| (self.tree.position(near.index()), place))
+    }
+}
+
+impl Irradiance {
+    /// What a Lambert surface at the end of a path of `depth` edges reflects by the irradiance at a place `p`. Where some of the
+    /// photons around make paths of more edges than are asked for, they are gathered anew from `map`.
+    #[inline]
+    pub fn reflected(
+        &self,
+        p: Vec3,
+        depth: u32,
+        reflectance: Rgb,
+        (map, gathering): (&PhotonMap, &Gathering),
+        found: &mut Neighbours,
+    ) -> Rgb {
+        let longest = gathering.max_depth.saturating_sub(depth);
+        let value = if self.longest > longest {
+            map.irradiance_at(p, self.normal.vector(), gathering, longest, found).0
         } else {
-            place.value
+            self.value
         };
-        Some(Estimate { radiance: value * reflectance * (1.0 / PI), radius: place.reach })
+        value * reflectance * (1.0 / PI)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::{
     aim::Aim,
+    clear::is_clear,
     eye::{Eye, Indirect, Source},
     kd_tree::Neighbours,
     kernel::Kernel,
@@ -250,10 +251,12 @@ impl PhotonMapper {
         self.emissions = Some(emissions);
         self.statistics.add_time("photons", start.elapsed());
         let start = Instant::now();
-        let irradiance = global
-            .as_ref()
-            .zip(places)
-            .map(|(map, places)| map.irradiance(places, every, &self.gathering(self.options.global_radius)));
+        let irradiance = global.as_ref().zip(places).map(|(map, places)| {
+            let (scene, gathering) = (&*self.scene, self.gathering(self.options.global_radius));
+            specialise_coarsely!(scene.has(), HAS => {
+                map.irradiance(places, every, &gathering, |p, n, radius| is_clear::<HAS>(scene, p, n, radius))
+            })
+        });
         if irradiance.is_some() {
             self.statistics.add_time("irradiance", start.elapsed());
         }
