@@ -217,14 +217,14 @@ fn images_are_as_bright_as_they_must_be() {
     runs.push(("coated walls", Run::of(&coated(), Filter::Box, 8)));
     runs.push(("room in a mirror", Run::of(&mirrored(), Filter::Box, 4)));
     for (scene, run) in &runs {
-        // Light bleeds under the wall beside the door, where maps hold little else.
-        let bias = if *scene == "ajar-door" { 0.06 } else { 0.02 };
         let truth = means(run, &etendue_bidir::BIDIR, &[], 50, 64);
         // An image so small has few photons of its own: the progressive form gets as many as a larger one.
         for (technique, knobs) in [(&PHOTON, &[][..]), (&SPPM, &[("photons", 32.0)])] {
             let found = means(run, technique, knobs, 0, 16);
             let error = truth.standard_error().hypot(found.standard_error());
             let difference = found.mean() - truth.mean();
+            // Few of a pass's photons come through the gap of the door, and first disks are wide there.
+            let bias = if (*scene, technique.name) == ("ajar-door", SPPM.name) { 0.06 } else { 0.02 };
             println!(
                 "{scene}, {}: {:.5} against {:.5}: {:+.2} % +- {:.2} %",
                 technique.name,

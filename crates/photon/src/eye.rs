@@ -6,8 +6,9 @@
 //! drop it. Every path is counted once.
 
 use crate::{
+    clear::is_clear,
     kd_tree::Neighbours,
-    map::{Estimate, Gathering, IrradianceMap, PhotonMap},
+    map::{Estimate, Gathering, IrradianceMap, PhotonMap, facing},
     surfaces::is_narrow,
 };
 use etendue_core::{
@@ -180,7 +181,12 @@ impl Eye<'_> {
                 let most = pilot.gathering.radius.min(pixels * pixel);
                 let gathering = Gathering { radius: most, ..pilot.gathering };
                 let least = most.min(FINEST * pixel);
-                let radius = pilot.map.reach::<HAS>(vertex, &gathering, found).max(least) * shrink;
+                let mut radius = pilot.map.reach::<HAS>(vertex, &gathering, found).max(least) * shrink;
+                // In corners and over edges disks are as small as it takes for them to be surface, if that is to be seen.
+                let normal = facing(vertex);
+                while radius > least * shrink && !is_clear::<HAS>(self.scene, vertex.surface.p, normal, radius) {
+                    radius = (0.5 * radius).max(least * shrink);
+                }
                 let estimate = photons.map.radiance_within::<HAS>(vertex, &photons.gathering, radius);
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }

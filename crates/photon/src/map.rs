@@ -70,7 +70,7 @@ pub struct IrradianceMap {
 
 /// The geometric normal on the side of `wo`.
 #[inline]
-fn facing(vertex: &SurfaceVertex) -> Vec3 {
+pub(crate) fn facing(vertex: &SurfaceVertex) -> Vec3 {
     let ng = vertex.surface.ng;
     if ng.dot(vertex.wo) < 0.0 { -ng } else { ng }
 }
@@ -253,9 +253,9 @@ impl Gathering {
             return Rgb::BLACK;
         }
         let wi = photon.wi.vector();
-        // Photons are as dense as the cosine to the geometric normal says, where they arrived or here; the larger of the two is
-        // safe on curved surfaces. What is scattered has the shading normal's.
-        let cos = wi.dot(vertex.surface.ng).abs().max(wi.dot(photon.normal.vector()).abs());
+        // Photons are as dense as the cosine to the geometric normal says where they arrived. What is scattered has the cosine to
+        // the shading normal here.
+        let cos = wi.dot(photon.normal.vector()).abs();
         let (f_cos, _) = vertex.eval_pdf::<HAS>(wi, TransportMode::Radiance);
         let value = photon.power * f_cos * (1.0 / cos);
         if value.is_valid() { value } else { Rgb::BLACK }
