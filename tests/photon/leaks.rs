@@ -172,7 +172,34 @@ fn odd_maps_give_finite_estimates() {
                     assert!(!empty || estimate.is_none_or(|e| e.radiance.is_black()));
                 }
             }
-            map.irradiance(1, &gathering).tree.payloads().iter().for_each(|i| assert!(i.value.is_valid()));
+            map.irradiance(map.clone(), 1, &gathering, |_, _, _| true)
+                .tree
+                .payloads()
+                .iter()
+                .for_each(|i| assert!(i.value.is_valid()));
         }
     }
+}
+
+/// A floor with a wall on it: disks are clear up to the wall, to the border, and not beyond; on a ball as long as it is nearly flat.
+#[test]
+fn disks_are_clear_up_to_walls_and_edges() {
+    let floor = rectangle("floor", DVec3::ZERO, DVec3::Y, (1.0, 1.0), 0);
+    let wall = rectangle("wall", DVec3::Y * 0.5, DVec3::X, (1.0, 0.5), 0);
+    let lamp = DeltaLight::Point { position: DVec3::Y * 2.0, intensity: Rgb::WHITE };
+    let camera = seen(DVec3::new(0.9, 0.5, 0.0), DVec3::new(0.9, 0.0, 0.0), 0.1);
+    let ball = sphere("ball", DVec3::X * 9.0, 1.0, 0);
+    let scene = Scene::new(&lit(vec![floor, wall, ball], lamp, camera)).expect("the scene is valid");
+    let place = |p: DVec3| (p - scene.middle()).as_vec3();
+    let is_clear =
+        |p, normal, radius| etendue_photon::clear::is_clear::<{ has::ALL }>(&scene, place(p), normal, radius);
+    for x in [-0.75f64, -0.4, -0.2, 0.1, 0.3, 0.6, 0.9] {
+        let free = x.abs().min(1.0 - x.abs()) as f32;
+        let p = DVec3::X * x;
+        // Probes are an eighth of a turn apart, and the first of them half of that from an axis.
+        assert!(is_clear(p, glam::Vec3::Y, 0.99 * free), "{x}");
+        assert!(!is_clear(p, glam::Vec3::Y, 1.2 * free), "{x}");
+    }
+    assert!(is_clear(DVec3::new(9.0, 1.0, 0.0), glam::Vec3::Y, 0.3));
+    assert!(!is_clear(DVec3::new(9.0, 1.0, 0.0), glam::Vec3::Y, 1.2));
 }

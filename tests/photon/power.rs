@@ -8,17 +8,19 @@ use etendue_core::{
     material::Material,
     rgb::Rgb,
     scene::*,
-    statistics::moments::Moments,
+    statistics::{moments::Moments, render::Rays},
     technique::Settings,
+    walk::{Limits, Vertex, Walk},
 };
 use etendue_photon::{
     aim::Aim,
+    kd_tree::Neighbours,
     kernel::Kernel,
     map::{Gathering, PhotonMap},
     trace::{Job, Store},
 };
 use etendue_tests::{limit, small::*};
-use glam::{DAffine3, DVec3, UVec2};
+use glam::{DAffine3, DVec3, UVec2, Vec2};
 use std::f64::consts::PI;
 
 const REPLICATES: u64 = 16;
@@ -120,24 +122,46 @@ fn light_from_infinity_carries_what_a_ball_intercepts() {
     hold("sky", powers.iter().map(|p| p[1]), 0.7 * PI * 4.0 * area);
 }
 
-/// Irradiance that is computed ahead is that of the other photons: under a sun, on average the sun's.
+/// Irradiance that is computed ahead is on average the sun's, as it is at the places and as it is found at evenly spread points,
+/// which a place owns the more of the fewer photons there are around it.
 #[test]
-fn irradiance_ahead_is_not_too_high_by_its_own_photon() {
+fn irradiance_ahead_is_right_on_average() {
     let sun = DeltaLight::Directional { direction: DVec3::NEG_Y, irradiance: Rgb::splat(3.0) };
-    let scene =
-        Scene::new(&SceneDescription { lights: light(sun), ..lit_floor(1.0, Vec::new()) }).expect("it is valid");
+    let scene = SceneDescription {
+        camera: Some(orthographic(DVec3::Y * 5.0, DVec3::ZERO, DVec3::Z, 14.0, 64)),
+        lights: light(sun),
+        ..lit_floor(1.0, Vec::new())
+    };
+    let scene = Scene::new(&scene).expect("it is valid");
     let settings = Settings::new(4, independent);
-    let gathering = Gathering { nearest: 12, radius: 100.0, kernel: Kernel::Cone, parts: settings.parts, max_depth: 4 };
-    let ahead = (0..REPLICATES).map(|seed| {
-        let aim = &Aim::default();
-        let job = Job { scene: &scene, settings: &settings, store: Store::All, aim, seed, set: 0, emitted: 20_000 };
-        let places = PhotonMap::new(job.trace::<{ has::ALL }>().photons).irradiance(4, &gathering).tree;
-        // Far from the border, past which there are no photons.
-        let inside = (0..places.len() as u32).filter(|i| places.position(*i).abs().max_element() < 8.0);
-        let values: Moments = inside.map(|i| f64::from(places.payload(i).value.g)).collect();
-        values.mean()
-    });
-    hold("irradiance", ahead, 3.0);
+    for nearest in [5, 12, 50, 500] {
+        let gathering = Gathering { nearest, radius: 100.0, kernel: Kernel::Cone, parts: settings.parts, max_depth: 4 };
+        let (mut at_places, mut found_there) = (Vec::new(), Vec::new());
+        for seed in 0..REPLICATES {
+            let traced = |set, emitted| {
+                let aim = &Aim::default();
+                let job = Job { scene: &scene, settings: &settings, store: Store::All, aim, seed, set, emitted };
+                PhotonMap::new(job.trace::<{ has::ALL }>().photons)
+            };
+            let map = traced(0, 20_000);
+            let places = map.irradiance(traced(1, 5_000), 4, &gathering, |_, _, _| true);
+            // Far from the border, past which there are no photons.
+            let inside = (0..places.tree.len() as u32).filter(|i| places.tree.position(*i).abs().max_element() < 7.0);
+            at_places.push(inside.map(|i| f64::from(places.tree.payload(i).value.g)).collect::<Moments>().mean());
+            let mut room = Neighbours::default();
+            let spread = (0..64 * 64).filter_map(|i| {
+                let film = Vec2::new((i % 64) as f32 + 0.5, (i / 64) as f32 + 0.5);
+                let limits = Limits { max_depth: 2, roulette_depth: 9 };
+                let mut walk = Walk::<{ has::ALL }>::from_camera(&scene, limits, film, Vec2::ZERO);
+                let Vertex::Surface(vertex) = walk.trace(&mut Rays::default()) else { panic!("there is a floor") };
+                let (p, place) = places.place(&vertex, gathering.radius, &mut room)?;
+                Some(place.reflected(p, 2, Rgb::splat(std::f32::consts::PI), (&map, &gathering), &mut room))
+            });
+            found_there.push(spread.map(|e| f64::from(e.g)).collect::<Moments>().mean());
+        }
+        hold(&format!("{nearest} nearest, at places"), at_places.into_iter(), 3.0);
+        hold(&format!("{nearest} nearest, as found"), found_there.into_iter(), 3.0);
+    }
 }
 
 /// Aimed emission stores the same power with many more photons.

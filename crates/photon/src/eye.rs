@@ -6,8 +6,9 @@
 //! drop it. Every path is counted once.
 
 use crate::{
+    clear::is_clear,
     kd_tree::Neighbours,
-    map::{Estimate, Gathering, IrradianceMap, PhotonMap},
+    map::{Estimate, Gathering, IrradianceMap, PhotonMap, facing},
     surfaces::is_narrow,
 };
 use etendue_core::{
@@ -180,23 +181,48 @@ impl Eye<'_> {
                 let most = pilot.gathering.radius.min(pixels * pixel);
                 let gathering = Gathering { radius: most, ..pilot.gathering };
                 let least = most.min(FINEST * pixel);
-                let radius = pilot.map.reach::<HAS>(vertex, &gathering, found).max(least) * shrink;
+                let mut radius = pilot.map.reach::<HAS>(vertex, &gathering, found).max(least) * shrink;
+                // In corners and over edges disks are as small as it takes for them to be surface, if that is to be seen.
+                let normal = facing(vertex);
+                while radius > least * shrink && !is_clear::<HAS>(self.scene, vertex.surface.p, normal, radius) {
+                    radius = (0.5 * radius).max(least * shrink);
+                }
                 let estimate = photons.map.radiance_within::<HAS>(vertex, &photons.gathering, radius);
                 Look { reflected: reflected(estimate), direct: true, ends: false }
             }
-            Indirect::Gather { global, irradiance } if wide > 0 => {
-                let ahead = irradiance
-                    .zip(lambert(vertex))
-                    .and_then(|(map, reflectance)| map.radiance(vertex, reflectance, self.settings.max_depth, found));
-                let estimate = ahead.or_else(|| ask::<HAS>(global, vertex, found));
+            Indirect::Gather { global: Some(global), irradiance } if wide > 0 => {
                 // Nearer than photons resolve, the first surface would show their blur: there paths go on once more
                 // [Jensen 1996, sec. 4.2].
-                let near = |e: &Estimate| vertex.from.distance_squared(vertex.surface.p) < e.radius * e.radius;
-                if wide == 1 && estimate.as_ref().is_some_and(near) {
-                    let caustics = reflected(ask::<HAS>(&self.caustics, vertex, found));
-                    return Look { reflected: caustics, direct: true, ends: false };
+                let from2 = vertex.from.distance_squared(vertex.surface.p);
+                let resolves = |radius: f32| wide > 1 || from2 >= radius * radius;
+                let known = match irradiance {
+                    // Where no place stands for what is around, they always do.
+                    Some(places) => places
+                        .place(vertex, global.gathering.radius, found)
+                        .filter(|(_, place)| resolves(place.reach))
+                        .map(|(p, place)| match lambert(vertex) {
+                            Some(reflectance) => {
+                                let map = (global.map, &global.gathering);
+                                place.reflected(p, vertex.depth, reflectance, map, found)
+                            }
+                            None => reflected(global.reflected::<HAS>(vertex, found)),
+                        }),
+                    None => match global.reflected::<HAS>(vertex, found) {
+                        Some(estimate) => resolves(estimate.radius).then_some(estimate.radiance),
+                        None => Some(Rgb::BLACK),
+                    },
+                };
+                match known {
+                    Some(reflected) => Look { reflected, direct: false, ends: true },
+                    None => Look {
+                        reflected: reflected(ask::<HAS>(&self.caustics, vertex, found)),
+                        direct: true,
+                        ends: false,
+                    },
                 }
-                Look { reflected: reflected(estimate), direct: false, ends: true }
+            }
+            Indirect::Gather { global: None, .. } if wide > 0 => {
+                Look { reflected: Rgb::BLACK, direct: false, ends: true }
             }
             _ => Look { reflected: reflected(ask::<HAS>(&self.caustics, vertex, found)), direct: true, ends: false },
         }

@@ -72,6 +72,7 @@
 //! path is counted by one of them.
 
 pub mod aim;
+pub mod clear;
 mod eye;
 pub mod kd_tree;
 pub mod kernel;

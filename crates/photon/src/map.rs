@@ -45,31 +45,32 @@ pub struct PhotonMap {
     pub tree: KdTree<Photon>,
 }
 
-/// Irradiance known at a photon's place [Christensen 1999].
+/// Irradiance known at a place [Christensen 1999].
 #[derive(Clone, Copy, Debug)]
 pub struct Irradiance {
     /// In W/m², times the parts of the light that count.
     pub value: Rgb,
     /// Normal of the surface on the side that it arrives on.
     pub normal: Octahedral,
-    /// The radius that photons were gathered in.
-    pub radius: f32,
-    /// Edges of the longest of their paths from a light.
+    /// How far from the place it may stand for what arrives, metres; 0 where photons are gathered from what is no clear surface.
+    pub reach: f32,
+    /// Edges of the longest of the photons' paths from a light.
     pub longest: u32,
 }
 
-/// Irradiance at a share of a map's photons.
+/// Irradiance at places that do not depend on the photons it is told from.
+///
+/// Neither does anything that decides which place is asked, and whether: a place owns a large cell just where few photons lie
+/// around it, so that places among the photons themselves would show estimates that are too low more often than others.
 #[derive(Clone, Debug)]
 pub struct IrradianceMap {
     /// The places.
     pub tree: KdTree<Irradiance>,
-    /// Greatest distance to the nearest place, metres.
-    pub radius: f32,
 }
 
 /// The geometric normal on the side of `wo`.
 #[inline]
-fn facing(vertex: &SurfaceVertex) -> Vec3 {
+pub(crate) fn facing(vertex: &SurfaceVertex) -> Vec3 {
     let ng = vertex.surface.ng;
     if ng.dot(vertex.wo) < 0.0 { -ng } else { ng }
 }
@@ -164,40 +165,68 @@ impl PhotonMap {
         disk(nearest.len(), farthest, gathering).0.sqrt()
     }
 
-    /// Irradiance at every `every`-th photon [Christensen 1999]. Photons count with paths of any length; a photon does not count
-    /// at its own place, where it is by choice and not by chance: estimates would be too high by its share.
-    pub fn irradiance(&self, every: usize, gathering: &Gathering) -> IrradianceMap {
-        let blank = Irradiance { value: Rgb::BLACK, normal: Octahedral::new(Vec3::Y), radius: 0.0, longest: 0 };
-        let mut places: Vec<(Vec3, Irradiance)> = (0..self.tree.len())
-            .step_by(every)
-            .map(|i| (self.tree.position(i as u32), Irradiance { normal: self.tree.payloads()[i].normal, ..blank }))
-            .collect();
-        parallel::for_runs_of(&mut places, 256, |first, places| {
+    /// Irradiance at a point on the side of `facing`, with the edges of the longest of the photons' paths; those of more than
+    /// `longest` edges do not count.
+    fn irradiance_at(
+        &self,
+        p: Vec3,
+        facing: Vec3,
+        gathering: &Gathering,
+        longest: u32,
+        found: &mut Neighbours,
+    ) -> (Rgb, u32) {
+        let nearest = self.tree.k_nearest_where(p, gathering.nearest, gathering.radius, found, |i| {
+            belongs(self.tree.payload(i).normal, facing, true)
+        });
+        let Some(farthest) = nearest.iter().max() else { return (Rgb::BLACK, 0) };
+        let (radius2, on_border) = disk(nearest.len(), farthest.distance_squared(), gathering);
+        let (mut sum, mut seen) = (Rgb::BLACK, 0);
+        for near in nearest.iter().filter(|near| !(on_border && *near == farthest)) {
+            let photon = self.tree.payload(near.index());
+            // Whatever part it belongs to, so that parts rendered by themselves add up.
+            seen = seen.max(photon.history().depth);
+            // Behind the final gathering's first surface, which is rough.
+            if photon.history().depth <= longest && gathering.parts.contains(photon.history().part(1)) {
+                sum += photon.power * gathering.kernel.weight(near.distance_squared() / radius2);
+            }
+        }
+        (estimate(sum, radius2).map_or(Rgb::BLACK, |e| e.radiance), seen)
+    }
+
+    /// Irradiance at the places of other photons, which are independent of these and one for `every` of them
+    /// [Christensen 1999]. Photons count with paths of any length. Whether the surface at a point with a normal is clear as far
+    /// as a radius, `is_clear` says.
+    pub fn irradiance(
+        &self,
+        places: PhotonMap,
+        every: usize,
+        gathering: &Gathering,
+        is_clear: impl Fn(Vec3, Vec3, f32) -> bool + Sync,
+    ) -> IrradianceMap {
+        // As far as an estimate reaches, told from places alone.
+        let around = Gathering { nearest: gathering.nearest.div_ceil(every), ..*gathering };
+        let blank = Irradiance { value: Rgb::BLACK, normal: Octahedral::new(Vec3::Y), reach: 0.0, longest: 0 };
+        let mut known = vec![(Vec3::ZERO, blank); places.tree.len()];
+        parallel::for_runs_of(&mut known, 256, |first, known| {
             let mut found = Neighbours::default();
-            for (number, (p, place)) in places.iter_mut().enumerate() {
-                let (facing, own) = (place.normal.vector(), ((first + number) * every) as u32);
-                let nearest = self.tree.k_nearest_where(*p, gathering.nearest, gathering.radius, &mut found, |i| {
-                    i != own && belongs(self.tree.payload(i).normal, facing, true)
+            for (own, known) in (first as u32..).zip(known) {
+                let (p, normal) = (places.tree.position(own), places.tree.payload(own).normal);
+                let facing = normal.vector();
+                let others = places.tree.k_nearest_where(p, around.nearest, around.radius, &mut found, |i| {
+                    i != own && belongs(places.tree.payload(i).normal, facing, true)
                 });
-                let Some(farthest) = nearest.iter().max() else { continue };
-                let (radius2, on_border) = disk(nearest.len(), farthest.distance_squared(), gathering);
-                let mut sum = Rgb::BLACK;
-                for near in nearest.iter().filter(|near| !(on_border && *near == farthest)) {
-                    let photon = self.tree.payload(near.index());
-                    // Whatever part it belongs to, so that parts rendered by themselves add up.
-                    place.longest = place.longest.max(photon.history().depth);
-                    // Behind the final gathering's first surface, which is rough.
-                    if gathering.parts.contains(photon.history().part(1)) {
-                        sum += photon.power * gathering.kernel.weight(near.distance_squared() / radius2);
-                    }
+                let farthest = others.iter().max().map_or(0.0, |n| n.distance_squared());
+                let reach = disk(others.len(), farthest, &around).0.sqrt();
+                if !is_clear(p, facing, reach) {
+                    *known = (p, Irradiance { normal, ..blank });
+                    continue;
                 }
-                if let Some(e) = estimate(sum, radius2) {
-                    (place.value, place.radius) = (e.radiance, e.radius);
-                }
+                let (value, longest) = self.irradiance_at(p, facing, gathering, u32::MAX, &mut found);
+                *known = (p, Irradiance { value, normal, reach, longest });
             }
             RenderStatistics::default()
         });
-        IrradianceMap { tree: KdTree::new(places), radius: gathering.radius }
+        IrradianceMap { tree: KdTree::new(known) }
     }
 }
 
@@ -224,9 +253,9 @@ impl Gathering {
             return Rgb::BLACK;
         }
         let wi = photon.wi.vector();
-        // Photons are as dense as the cosine to the geometric normal says, where they arrived or here; the larger of the two is
-        // safe on curved surfaces. What is scattered has the shading normal's.
-        let cos = wi.dot(vertex.surface.ng).abs().max(wi.dot(photon.normal.vector()).abs());
+        // Photons are as dense as the cosine to the geometric normal says where they arrived. What is scattered has the cosine to
+        // the shading normal here.
+        let cos = wi.dot(photon.normal.vector()).abs();
         let (f_cos, _) = vertex.eval_pdf::<HAS>(wi, TransportMode::Radiance);
         let value = photon.power * f_cos * (1.0 / cos);
         if value.is_valid() { value } else { Rgb::BLACK }
@@ -234,24 +263,37 @@ impl Gathering {
 }
 
 impl IrradianceMap {
-    /// What a Lambert surface reflects by the irradiance of the nearest place; `None` where there is no place near: within the
-    /// radius that its photons were gathered in (a place in bright light has a small one, and does not shine on what is dark); nor
-    /// where some of those photons make paths of more than `max_depth` edges.
+    /// The nearest place, if there is one near: within its reach. (A place in bright light has a small one, and does not shine
+    /// on what is dark.)
     #[inline]
-    pub fn radiance(
-        &self,
-        vertex: &SurfaceVertex,
-        reflectance: Rgb,
-        max_depth: u32,
-        found: &mut Neighbours,
-    ) -> Option<Estimate> {
+    pub fn place(&self, vertex: &SurfaceVertex, radius: f32, found: &mut Neighbours) -> Option<(Vec3, &Irradiance)> {
         let facing = facing(vertex);
         let keep = |i: u32| belongs(self.tree.payload(i).normal, facing, true);
-        let near = self.tree.k_nearest_where(vertex.surface.p, 1, self.radius, found, keep).first()?;
+        let near = self.tree.k_nearest_where(vertex.surface.p, 1, radius, found, keep).first()?;
         let place = self.tree.payload(near.index());
-        if near.distance_squared() > place.radius * place.radius || vertex.depth + place.longest > max_depth {
-            return None;
-        }
-        Some(Estimate { radiance: place.value * reflectance * (1.0 / PI), radius: place.radius })
+        let within = near.distance_squared() < place.reach * place.reach;
+        within.then(|| (self.tree.position(near.index()), place))
+    }
+}
+
+impl Irradiance {
+    /// What a Lambert surface at the end of a path of `depth` edges reflects by the irradiance at a place `p`. Where some of the
+    /// photons around make paths of more edges than are asked for, they are gathered anew from `map`.
+    #[inline]
+    pub fn reflected(
+        &self,
+        p: Vec3,
+        depth: u32,
+        reflectance: Rgb,
+        (map, gathering): (&PhotonMap, &Gathering),
+        found: &mut Neighbours,
+    ) -> Rgb {
+        let longest = gathering.max_depth.saturating_sub(depth);
+        let value = if self.longest > longest {
+            map.irradiance_at(p, self.normal.vector(), gathering, longest, found).0
+        } else {
+            self.value
+        };
+        value * reflectance * (1.0 / PI)
     }
 }

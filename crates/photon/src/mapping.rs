@@ -2,6 +2,7 @@
 
 use crate::{
     aim::Aim,
+    clear::is_clear,
     eye::{Eye, Indirect, Source},
     kd_tree::Neighbours,
     kernel::Kernel,
@@ -66,7 +67,7 @@ pub static PHOTON: TechniqueInfo = TechniqueInfo {
         },
         Knob {
             name: "irradiance",
-            summary: "irradiance is computed ahead at every so many photons; 0: it is not",
+            summary: "photons for each place that irradiance is computed ahead at; 0: it is not",
             range: (0.0, 1e4),
             default: 4.0,
             whole: true,
@@ -115,7 +116,7 @@ pub struct Options {
     pub global_radius: f32,
     /// Where indirect light comes from.
     pub indirect: IndirectLight,
-    /// Irradiance is computed ahead at every so many photons of the global map; 0: it is not.
+    /// Photons of the global map for each place that irradiance is computed ahead at; 0: it is not.
     pub irradiance_every: usize,
     /// How photons count by distance.
     pub kernel: Kernel,
@@ -151,11 +152,15 @@ impl Options {
     }
 }
 
-/// Sets of photons of a seed ([`Job::set`]): numbers that no pixel has. Maps that are made anew have the sets below.
+/// Sets of photons of a seed ([`Job::set`]): numbers that no pixel has. Maps that are made anew have the sets below the first
+/// [`SETS`].
 const CAUSTIC_PILOT: u32 = u32::MAX;
 const GLOBAL_PILOT: u32 = u32::MAX - 1;
 const CAUSTIC: u32 = u32::MAX - 2;
 const GLOBAL: u32 = u32::MAX - 3;
+const PLACES: u32 = u32::MAX - 4;
+/// Sets that are traced for the maps of a number.
+const SETS: u32 = 3;
 
 /// Emissions of a pilot.
 const PILOT: u32 = 1 << 14;
@@ -243,16 +248,24 @@ impl PhotonMapper {
             _ => self.plan(seed),
         };
         let caustics =
-            emissions.caustics.as_ref().map(|e| self.map(seed, Store::Caustic, e, CAUSTIC.wrapping_sub(2 * number)));
-        let global = emissions.global.as_ref().map(|e| self.map(seed, Store::All, e, GLOBAL.wrapping_sub(2 * number)));
+            emissions.caustics.as_ref().map(|e| self.map(seed, Store::Caustic, e, CAUSTIC.wrapping_sub(SETS * number)));
+        let global =
+            emissions.global.as_ref().map(|e| self.map(seed, Store::All, e, GLOBAL.wrapping_sub(SETS * number)));
+        let every = self.options.irradiance_every;
+        let ahead = every > 0 && self.options.indirect == IndirectLight::Gather;
+        let places = emissions.global.as_ref().filter(|_| ahead).map(|e| {
+            let fewer = Emission { aim: e.aim.clone(), emitted: e.emitted.div_ceil(every as u32) };
+            self.map(seed, Store::All, &fewer, PLACES.wrapping_sub(SETS * number))
+        });
         self.emissions = Some(emissions);
         self.statistics.add_time("photons", start.elapsed());
         let start = Instant::now();
-        let ahead = self.options.irradiance_every > 0 && self.options.indirect == IndirectLight::Gather;
-        let irradiance = global
-            .as_ref()
-            .filter(|_| ahead)
-            .map(|map| map.irradiance(self.options.irradiance_every, &self.gathering(self.options.global_radius)));
+        let irradiance = global.as_ref().zip(places).map(|(map, places)| {
+            let (scene, gathering) = (&*self.scene, self.gathering(self.options.global_radius));
+            specialise_coarsely!(scene.has(), HAS => {
+                map.irradiance(places, every, &gathering, |p, n, radius| is_clear::<HAS>(scene, p, n, radius))
+            })
+        });
         if irradiance.is_some() {
             self.statistics.add_time("irradiance", start.elapsed());
         }

@@ -124,6 +124,21 @@ impl Lobe {
         }
     }
 
+    /// The microfacet roughness of the widest part, along the narrower axis: 0 for single directions, 1 for diffuse scattering.
+    #[inline]
+    pub fn width(&self) -> f32 {
+        match self {
+            _ if self.is_delta() => 0.0,
+            Lobe::RoughConductor { roughness, .. } | Lobe::RoughDielectric { roughness, .. } => {
+                roughness.alpha.min_element()
+            }
+            Lobe::Principled(principled) => principled.width(),
+            Lobe::PrincipledThin(principled) => principled.width(),
+            Lobe::RoughPlastic(plastic) => plastic.width(),
+            _ => 1.0,
+        }
+    }
+
     /// Whether it changes when the surface is turned about its normal.
     #[inline]
     pub fn is_anisotropic(&self) -> bool {

@@ -64,6 +64,17 @@ impl Principled {
         self.glass() == 0.0
     }
 
+    /// The roughness of the widest part: the diffuse one, or the wider of microfacets and clear coat.
+    #[inline]
+    pub(super) fn width(&self) -> f32 {
+        let sheen = self.sheen * (1.0 - self.metallic);
+        if sheen > 0.0 || self.body() > 0.0 && !self.base_color.is_black() {
+            return 1.0;
+        }
+        let coat = if self.clearcoat > 0.0 { clearcoat::alpha(self.clearcoat_gloss) } else { 0.0 };
+        self.distribution().alpha.min_element().max(coat)
+    }
+
     /// Share of the lobe of a rough dielectric.
     #[inline]
     fn glass(&self) -> f32 {

@@ -54,6 +54,15 @@ impl PrincipledThin {
         Roughness { distribution: Distribution::Ggx, alpha: burley::principled_alpha(roughness, self.anisotropic) }
     }
 
+    /// The roughness of the widest part: the diffuse one, or the wider of reflection and transmission.
+    #[inline]
+    pub(super) fn width(&self) -> f32 {
+        if self.spec_trans < 1.0 {
+            return 1.0;
+        }
+        self.reflecting().alpha.min_element().max(self.transmitting().alpha.min_element())
+    }
+
     /// The colour of what microfacets reflect at the cosine `cos`, given the reflectance of a dielectric there.
     #[inline]
     fn reflected(&self, dielectric: f32, cos: f32) -> Rgb {

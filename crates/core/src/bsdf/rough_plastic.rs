@@ -160,6 +160,12 @@ impl RoughPlastic {
         }
     }
 
+    /// The roughness of the widest part: the coat's where the body is black.
+    #[inline]
+    pub(super) fn width(&self) -> f32 {
+        if self.body.is_black() { self.coat.0.roughness.alpha.x } else { 1.0 }
+    }
+
     pub(super) fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let coat = self.coat.0;
         let (transmittance_o, transmittance_i) = (coat.transmittance(wo.z), coat.transmittance(wi.z));

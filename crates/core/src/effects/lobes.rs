@@ -110,7 +110,8 @@ pub(super) fn collect_lobes(material: &Material, lobes: &mut Vec<(LobeKind, (f32
             if unit_range(&p.clearcoat).1 > 0.0 {
                 alpha.0 = alpha.0.min(clearcoat_alpha(unit_range(&p.clearcoat_gloss).1));
             }
-            if unit_range(&p.metallic).0 < 1.0 && unit_range(&p.spec_trans).0 < 1.0 {
+            let diffuse = unit_range(&p.spec_trans).0 < 1.0 || unit_range(&p.sheen).1 > 0.0;
+            if unit_range(&p.metallic).0 < 1.0 && diffuse {
                 alpha.1 = 1.0;
             }
             lobes.push((LobeKind::Principled, alpha));
@@ -207,6 +208,7 @@ mod tests {
         check(metal(), 0.25, 0.25);
         check(Principled { clearcoat: 1.0.into(), ..metal() }, 0.001, 0.25);
         check(Principled { spec_trans: 1.0.into(), roughness: 0.0.into(), ..principled() }, 0.001, 0.001);
+        check(Principled { sheen: 0.5.into(), spec_trans: 1.0.into(), ..principled() }, 0.25, 1.0);
         let aspect = 0.19f32.sqrt();
         check(Principled { anisotropic: 0.9.into(), ..metal() }, 0.25 * aspect, 0.25 / aspect);
         let board =
