@@ -90,8 +90,7 @@ fn knobs_that_leave_light_out_are_seen() {
     let at = folder.path();
     fs::write(at.join("s.xml"), scene(&[LAMP, FLOOR, SHEET]).replace("BSDF", GLASS)).unwrap();
     // Without final gathering too, as it finds a little of it.
-    let photon =
-        ["render", "s.xml", "--technique", "photon", "--knob", "indirect=0", "--passes", "4", "--out", "s.exr"];
+    let photon = ["render", "s.xml", "--technique", "photon", "--knob", "indirect=0", "--parts", "caustic"];
     for (knob, left_out) in [("caustic_photons=0", true), ("caustic_photons=1000", false)] {
         let report = json(at, &[&photon[..], &["--passes", "4", "--out", "s.exr", "--knob", knob]].concat());
         assert_eq!((mean(at) == 0.0, gaps(&report).is_empty()), (left_out, !left_out), "{knob}: {report}");
