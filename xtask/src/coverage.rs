@@ -1,6 +1,6 @@
 //! Light that a technique cannot render, said by name before it is missing from an image.
 
-use crate::techniques::TECHNIQUES;
+use crate::techniques::{TECHNIQUES, defaults};
 use etendue_core::{
     effects::Census,
     scene::{DeltaLight, SceneDescription},
@@ -10,26 +10,37 @@ use etendue_core::{
 /// The most lights that are named.
 const NAMED: usize = 3;
 
-/// Whether a technique leaves out light that the scene can have.
+/// Whether a technique, with its knobs at their defaults, leaves out light that the scene can have.
 pub fn misses(technique: &TechniqueInfo, chain: Chain, scene: &SceneDescription, depth: u32) -> bool {
-    technique.misses.contains(&chain) && chain.edges() <= depth && Census::of(scene).chains().contains(&chain)
+    (technique.misses)(&defaults(technique)).contains(&chain)
+        && chain.edges() <= depth
+        && Census::of(scene).chains().contains(&chain)
+}
+
+/// A technique with the values of its knobs.
+pub type Choice = (&'static TechniqueInfo, Vec<f64>);
+
+/// Every technique, with its knobs at their defaults.
+pub fn every_technique() -> Vec<Choice> {
+    TECHNIQUES.iter().map(|t| (*t, defaults(t))).collect()
 }
 
 /// What some techniques leave out of a scene's image, a sentence for each kind of light.
-pub fn gaps(scene: &SceneDescription, depth: u32, parts: Parts, techniques: &[&TechniqueInfo]) -> Vec<String> {
+pub fn gaps(scene: &SceneDescription, depth: u32, parts: Parts, techniques: &[Choice]) -> Vec<String> {
     let chains = Census::of(scene).chains().into_iter().filter(|c| c.edges() <= depth && c.meets(parts));
     let gap = |chain: Chain| {
-        let missing = names(techniques.iter().copied().filter(|t| t.misses.contains(&chain)))?;
-        let there = names(TECHNIQUES.iter().copied().filter(|t| !t.misses.contains(&chain)));
+        let missing = names(techniques, |missed| missed.contains(&chain))?;
+        let there = names(&every_technique(), |missed| !missed.contains(&chain));
         let rest = there.map_or_else(|| "no technique here renders it".into(), |t| format!("rendered by: {t}"));
         Some(format!("left out by {missing}: {}; {rest}", light(chain, scene)))
     };
     chains.filter_map(gap).collect()
 }
 
-/// Names with commas between them; none without any.
-fn names<'a>(techniques: impl Iterator<Item = &'a TechniqueInfo>) -> Option<String> {
-    let names: Vec<&str> = techniques.map(|t| t.name).collect();
+/// The names of those techniques whose missed chains are of a kind, with commas between them; none without any.
+fn names(techniques: &[Choice], of_kind: impl Fn(&[Chain]) -> bool) -> Option<String> {
+    let of_kind = techniques.iter().filter(|(t, knobs)| of_kind((t.misses)(knobs)));
+    let names: Vec<&str> = of_kind.map(|(t, _)| t.name).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }
 

@@ -209,7 +209,12 @@ impl Job {
 
     /// Light that the image will lack because the technique cannot render it, said in sentences.
     pub fn gaps(&self) -> Vec<String> {
-        coverage::gaps(&self.scene.description, self.key.depth, self.parts, &[self.technique])
+        coverage::gaps(&self.scene.description, self.key.depth, self.parts, &[self.choice()])
+    }
+
+    /// The technique with the values of its knobs.
+    pub fn choice(&self) -> coverage::Choice {
+        (self.technique, self.knobs.clone())
     }
 
     /// Builds the scene and the technique on a pool of threads. Only what building takes is on the clock.

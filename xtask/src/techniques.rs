@@ -22,9 +22,14 @@ pub fn find(name: &str) -> Result<&'static TechniqueInfo, Error> {
     })
 }
 
+/// The values of a technique's knobs where none is given.
+pub fn defaults(technique: &TechniqueInfo) -> Vec<f64> {
+    technique.knobs.iter().map(|k| k.default).collect()
+}
+
 /// The values of a technique's knobs, in its order: those given as `name=value`, and defaults for the rest.
 pub fn knobs(technique: &TechniqueInfo, given: &[String]) -> Result<Vec<f64>, Error> {
-    let mut values: Vec<f64> = technique.knobs.iter().map(|k| k.default).collect();
+    let mut values = defaults(technique);
     let mut seen = Vec::new();
     for text in given {
         let (name, value) =
@@ -133,7 +138,7 @@ mod tests {
         bias: Bias::Unbiased,
         covers: Parts::ALL,
         blind_spots: "",
-        misses: &[],
+        misses: |_| &[],
         knobs: &[
             Knob { name: "a", summary: "", range: (0.0, 2.0), default: 1.0, whole: false },
             Knob { name: "b", summary: "", range: (-1.0, 1.0), default: 0.5, whole: false },

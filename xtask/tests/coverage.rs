@@ -85,6 +85,19 @@ fn what_is_left_out_is_black_and_what_is_not_is_said_to_be_is_lit() {
 }
 
 #[test]
+fn knobs_that_leave_light_out_are_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("s.xml"), scene(&[LAMP, FLOOR, SHEET]).replace("BSDF", GLASS)).unwrap();
+    // Without final gathering too, as it finds a little of it.
+    let photon = ["render", "s.xml", "--technique", "photon", "--knob", "indirect=0", "--parts", "caustic"];
+    for (knob, left_out) in [("caustic_photons=0", true), ("caustic_photons=1000", false)] {
+        let report = json(at, &[&photon[..], &["--passes", "4", "--out", "s.exr", "--knob", knob]].concat());
+        assert_eq!((mean(at) == 0.0, gaps(&report).is_empty()), (left_out, !left_out), "{knob}: {report}");
+    }
+}
+
+#[test]
 fn light_that_nothing_renders_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -21,7 +21,7 @@ pub static BIDIR: TechniqueInfo = TechniqueInfo {
     covers: Parts::ALL,
     blind_spots: "point, spot and directional lights seen through mirrors or glass; their caustics, and their light through the \
                   holes of masks, seen so or through such holes",
-    misses: &[Chain::LightThroughDelta, Chain::CausticThroughDelta],
+    misses: |_| &[Chain::LightThroughDelta, Chain::CausticThroughDelta],
     knobs: &[
         Knob {
             name: "heuristic",

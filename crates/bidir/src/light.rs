@@ -25,7 +25,7 @@ pub static LIGHT: TechniqueInfo = TechniqueInfo {
     covers: Parts::ALL,
     blind_spots: "surfaces that the camera sees through mirrors, smooth glass or the holes of masks; point, spot and directional \
                   lights seen through mirrors or glass",
-    misses: &[Chain::LightThroughDelta, Chain::CausticThroughDelta, Chain::SurfaceThroughDelta],
+    misses: |_| &[Chain::LightThroughDelta, Chain::CausticThroughDelta, Chain::SurfaceThroughDelta],
     knobs: &[],
     build: |scene, settings, _| Box::new(LightTracer::new(scene, settings)),
 };

@@ -170,8 +170,8 @@ pub struct TechniqueInfo {
     pub covers: Parts,
     /// What it does not cover, one line; empty: it covers everything.
     pub blind_spots: &'static str,
-    /// The same for programs: chains that it never makes.
-    pub misses: &'static [Chain],
+    /// The same for programs: chains that it never makes with certain values of its knobs.
+    pub misses: fn(knobs: &[f64]) -> &'static [Chain],
     /// Its own settings.
     pub knobs: &'static [Knob],
     /// Builds it for a scene; `knobs` holds one value for each entry of `knobs`, in order and in range.

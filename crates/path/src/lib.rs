@@ -77,7 +77,7 @@ pub static INFO: TechniqueInfo = TechniqueInfo {
     bias: Bias::Unbiased,
     covers: Parts::ALL,
     blind_spots: "light of point, spot and directional lights that comes by way of mirrors, glass or the holes of masks",
-    misses: &[Chain::LightThroughDelta, Chain::Caustic, Chain::CausticThroughDelta],
+    misses: |_| &[Chain::LightThroughDelta, Chain::Caustic, Chain::CausticThroughDelta],
     knobs: &[LIGHT_CANDIDATES],
     build: |scene, settings, knobs| {
         let candidates = knobs.first().map_or(1, |k| k.round() as u32);

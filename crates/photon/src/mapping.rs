@@ -27,7 +27,10 @@ pub static PHOTON: TechniqueInfo = TechniqueInfo {
     bias: Bias::Bounded,
     covers: Parts::ALL,
     blind_spots: "point, spot and directional lights seen through mirrors or glass",
-    misses: &[Chain::LightThroughDelta],
+    misses: |knobs| match Options::from_knobs(knobs).caustic_photons {
+        0 => &[Chain::LightThroughDelta, Chain::Caustic, Chain::CausticThroughDelta],
+        _ => &[Chain::LightThroughDelta],
+    },
     knobs: &[
         Knob {
             name: "caustic_photons",

@@ -29,7 +29,7 @@ pub static SPPM: TechniqueInfo = TechniqueInfo {
     bias: Bias::Consistent,
     covers: Parts::ALL,
     blind_spots: "point, spot and directional lights seen through mirrors or glass",
-    misses: &[Chain::LightThroughDelta],
+    misses: |_| &[Chain::LightThroughDelta],
     knobs: &[
         Knob {
             name: "photons",

@@ -9,7 +9,6 @@ use crate::{
     error::Error,
     files,
     hash::scene_hash,
-    techniques::TECHNIQUES,
 };
 use etendue_core::{
     camera::{CameraDescription, Projection},
@@ -150,7 +149,7 @@ impl SceneReport {
             },
             notes: loaded.notes.clone(),
             effects: census.to_string().lines().map(str::to_owned).collect(),
-            gaps: coverage::gaps(d, loaded.max_depth, Parts::ALL, TECHNIQUES),
+            gaps: coverage::gaps(d, loaded.max_depth, Parts::ALL, &coverage::every_technique()),
         }
     }
 

@@ -169,11 +169,11 @@ fn load_jobs(args: &StudyArgs) -> Result<(Vec<Job>, Vec<String>), Error> {
             // An image without all that is seen in mirrors is no match for others, unless it is asked for.
             let chain = Chain::SurfaceThroughDelta;
             if args.techniques.is_empty() && coverage::misses(technique, chain, description, depth) {
-                let left_out = coverage::gaps(description, depth, Parts::ALL, &[technique]).pop();
+                let left_out = coverage::gaps(description, depth, Parts::ALL, &[job.choice()]).pop();
                 gaps.extend(left_out.map(|gap| format!("{scene}: {} is not studied; {gap}", technique.name)));
                 continue;
             }
-            studied.push(technique);
+            studied.push(job.choice());
             jobs.push(job);
             for sampler in &args.samplers[1..] {
                 jobs.push(Job::load(scene, &wish(scene, technique.name, sampler))?);
