@@ -26,6 +26,7 @@ pub mod ply;
 pub mod serialized;
 mod spectrum;
 pub mod sun_sky;
+mod tessellate;
 
 /// The README's examples, compiled and run as they stand.
 #[cfg(doctest)]

@@ -1,7 +1,8 @@
 //! Meshes in Wavefront OBJ files.
 //!
-//! Read are `v`, `vn`, `vt` and `f` with positive or negative indices; polygons are cut into fans. Names, groups and
-//! materials are passed over; curves, lines and points are refused.
+//! `v`, `vn`, `vt` and `f` are read, with positive or negative indices; polygons are cut into fans. Names, groups and
+//! materials are passed over. So is what has no surface, with a note: points, lines, curves, and faces of fewer than three
+//! corners. A backslash at the end of a line continues it.
 
 use crate::{
     error::{Flaw, Place, abridged},
@@ -26,7 +27,42 @@ struct Reader {
     vertices: HashMap<Corner, u32>,
     corners: Vec<Corner>,
     triangles: Vec<[u32; 3]>,
+    /// Statements that were passed over: their name, how many, and the line of the first.
+    passed_over: Vec<(String, usize, u32)>,
 }
+
+/// Statements of the format without a surface: points, lines, free-form curves and surfaces, and what belongs to them.
+const NO_SURFACE: [&str; 29] = [
+    "p",
+    "l",
+    "vp",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "curv",
+    "curv2",
+    "surf",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "mg",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "maplib",
+    "usemap",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "call",
+];
 
 /// Reads a mesh; its indices are in range and its numbers finite. Each distinct corner of faces is one vertex.
 ///
@@ -36,16 +72,40 @@ struct Reader {
 ///
 /// Anything that is wrong, with its line.
 pub fn read(bytes: &[u8]) -> Result<Mesh, Flaw> {
+    read_with_notes(bytes).map(|(mesh, _)| mesh)
+}
+
+/// [`read`], with a note for each kind of statement that was passed over.
+///
+/// # Errors
+///
+/// Anything that is wrong, with its line.
+pub fn read_with_notes(bytes: &[u8]) -> Result<(Mesh, Vec<String>), Flaw> {
     let mut reader = Reader::default();
+    let mut continued: Vec<u8> = Vec::new();
     for (index, line) in bytes.split(|b| *b == b'\n').enumerate() {
-        let flaw = |message| Flaw::new(Place::Line(index as u32 + 1), message);
-        reader.statement(line).map_err(flaw)?;
+        let number = index as u32 + 1;
+        let flaw = |message| Flaw::new(Place::Line(number), message);
+        if let Some(begin) = line.trim_ascii_end().strip_suffix(b"\\") {
+            continued.extend_from_slice(begin);
+            continued.push(b' ');
+        } else if continued.is_empty() {
+            reader.statement(line, number).map_err(flaw)?;
+        } else {
+            continued.extend_from_slice(line);
+            reader.statement(&std::mem::take(&mut continued), number).map_err(flaw)?;
+        }
     }
-    Ok(reader.finish())
+    let notes = reader.passed_over.iter().map(|(what, count, line)| match count {
+        1 => format!("line {line}: {what} is passed over; it has no surface"),
+        _ => format!("line {line} and others: {count} times {what} is passed over; it has no surface"),
+    });
+    let notes = notes.collect();
+    Ok((reader.finish(), notes))
 }
 
 impl Reader {
-    fn statement(&mut self, line: &[u8]) -> Result<(), String> {
+    fn statement(&mut self, line: &[u8], number: u32) -> Result<(), String> {
         let line = line.split(|b| *b == b'#').next().unwrap_or_default().trim_ascii();
         let keyword_end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
         let (keyword, rest) = line.split_at(keyword_end);
@@ -59,7 +119,10 @@ impl Reader {
             b"v" => self.positions.push(Vec3::from(numbers::<3>(rest, &[3, 4, 6, 7])?)),
             b"vn" => self.normals.push(Vec3::from(numbers::<3>(rest, &[3])?)),
             b"vt" => self.uvs.push(Vec2::from(numbers::<2>(rest, &[1, 2, 3])?)),
-            b"f" => return self.face(rest),
+            b"f" => return self.face(rest, number),
+            other if NO_SURFACE.iter().any(|name| name.as_bytes() == other) => {
+                self.pass_over(format!("`{}`", String::from_utf8_lossy(other)), number);
+            }
             other => {
                 let name = String::from_utf8_lossy(&other[..other.len().min(40)]).into_owned();
                 return Err(format!("the statement `{name}` is not supported"));
@@ -68,13 +131,21 @@ impl Reader {
         Ok(())
     }
 
-    fn face(&mut self, text: &str) -> Result<(), String> {
+    fn pass_over(&mut self, what: String, line: u32) {
+        match self.passed_over.iter_mut().find(|(name, ..)| *name == what) {
+            Some((_, count, _)) => *count += 1,
+            None => self.passed_over.push((what, 1, line)),
+        }
+    }
+
+    fn face(&mut self, text: &str, line: u32) -> Result<(), String> {
         let mut corners = text.split_ascii_whitespace();
         let mut corner = |reader: &mut Reader| corners.next().map(|word| reader.corner(word)).transpose();
-        let (Some(first), Some(mut previous)) = (corner(self)?, corner(self)?) else {
-            return Err("a face has fewer than 3 vertices".to_owned());
+        let (first, second, third) = (corner(self)?, corner(self)?, corner(self)?);
+        let (Some(first), Some(mut previous), Some(mut next)) = (first, second, third) else {
+            self.pass_over("a face of fewer than 3 corners".to_owned(), line);
+            return Ok(());
         };
-        let mut next = corner(self)?.ok_or("a face has fewer than 3 vertices")?;
         loop {
             self.triangles.push([first, previous, next]);
             previous = next;

@@ -2,7 +2,7 @@
 //!
 //! A container holds several shapes one after another and ends with the byte at which each begins and their number
 //! [Mitsuba 0.6 documentation, "Serialized mesh loader"]. Both versions in use are read, 3 and 4, in single and in double
-//! precision. The flag that asks for flat shading is passed over, as Mitsuba 3 does: the scene says `face_normals`.
+//! precision; where the flags say neither, single is meant. The flag that asks for flat shading is passed over, as Mitsuba 3 does: the scene says `face_normals`.
 
 use crate::error::{Flaw, Place};
 use etendue_core::{geometry::Mesh, rgb::Rgb};
@@ -47,9 +47,10 @@ pub fn read(bytes: &[u8], shape_index: usize) -> Result<Mesh, Flaw> {
         shape.skip_name()?;
     }
     let double = match flags & (SINGLE | DOUBLE) {
-        SINGLE => false,
         DOUBLE => true,
-        _ => return Err(shape.flaw("its flags say neither single nor double precision")),
+        // Files that say neither are of single precision.
+        SINGLE | 0 => false,
+        _ => return Err(shape.flaw("its flags say both single and double precision")),
     };
     let (vertices, triangles) = shape.counts(flags, double)?;
 

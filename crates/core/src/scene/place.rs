@@ -163,10 +163,13 @@ fn uniform_scale(matrix: DMat3) -> Option<f64> {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let scale = columns[0].length();
     let alike = columns.iter().all(|c| (c.length() - scale).abs() <= UNIFORM * scale);
-    let orthogonal = [(0, 1), (1, 2), (2, 0)]
-        .iter()
-        .all(|&(i, j)| columns[i].dot(columns[j]).abs() <= UNIFORM * columns[i].length() * columns[j].length());
+    let orthogonal = [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| perpendicular(columns[i], columns[j]));
     (alike && orthogonal).then_some(scale)
+}
+
+/// Whether two vectors are at right angles, as far as transforms are exact.
+fn perpendicular(a: DVec3, b: DVec3) -> bool {
+    a.dot(b).abs() <= UNIFORM * a.length() * b.length()
 }
 
 fn check_radius(radius: f64) -> Result<(), Problem> {
@@ -203,9 +206,20 @@ fn check_mesh(mesh: &Mesh) -> Result<(), Problem> {
     Ok(())
 }
 
+impl ObjectShape {
+    /// Returns `false` for a sphere, disk or cylinder that the transform makes something else: an ellipsoid, an ellipse, a
+    /// cylinder of elliptic or slanted section. A scene refuses those.
+    pub fn stays_itself(&self, to_world: &DAffine3) -> bool {
+        matches!(self, ObjectShape::Mesh(_)) || !matches!(place_shape(self, to_world), Err(Problem::NonUniformScale(_)))
+    }
+}
+
 /// Validates an object's shape and places it in the world.
 pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
-    let transform = &object.to_world;
+    place_shape(&object.shape, &object.to_world)
+}
+
+fn place_shape(shape: &ObjectShape, transform: &DAffine3) -> Result<Placed, Problem> {
     check_transform(transform)?;
     let matrix = transform.matrix3;
     let mirrored = matrix.determinant() < 0.0;
@@ -221,7 +235,7 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
             triangles: triangles.into_iter().map(wind).collect(),
         }
     };
-    match &object.shape {
+    match shape {
         ObjectShape::Mesh(mesh) => {
             check_mesh(mesh)?;
             // Normals go by the inverse transpose, up to scale the cofactors; [PBRT-4, sec. 3.9.3].
@@ -260,7 +274,6 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
                 }
             }
             check_radius(*radius)?;
-            let scale = uniform_scale(matrix).ok_or(Problem::NonUniformScale("a cylinder"))?;
             let along = *to - *from;
             let direction = along.try_normalize().ok_or(Problem::OutOfRange {
                 what: "distance between its ends",
@@ -269,19 +282,26 @@ pub(super) fn place(object: &Object) -> Result<Placed, Problem> {
             })?;
             // The angle is zero where Mitsuba has it.
             let about = Axes::about(direction.as_vec3());
-            let turned = |v: Vec3| (matrix * v.as_dvec3() / scale).as_vec3();
+            let [x, y, axis] = [about.x.as_dvec3(), about.y.as_dvec3(), direction].map(|v| matrix * v);
+            // Longer or shorter it stays a cylinder, but not with an ellipse or aslant.
+            let scale = x.length();
+            let alike = (y.length() - scale).abs() <= UNIFORM * scale;
+            if !alike || [(x, y), (x, axis), (y, axis)].iter().any(|(a, b)| !perpendicular(*a, *b)) {
+                return Err(Problem::NonUniformScale("a cylinder"));
+            }
+            let turned = |v: DVec3| v.normalize().as_vec3();
             Ok(Placed::Cylinder {
                 from: transform.transform_point3(*from),
                 axis: matrix * along,
                 radius: radius * scale,
                 inverted: *inverted,
-                axes: Axes { x: turned(about.x), y: turned(about.y), z: turned(about.z) },
+                axes: Axes { x: turned(x), y: turned(y), z: turned(axis) },
             })
         }
         ObjectShape::Disk => {
             let (x, y) = (matrix.x_axis, matrix.y_axis);
             let alike = (x.length() - y.length()).abs() <= UNIFORM * x.length();
-            if !alike || x.dot(y).abs() > UNIFORM * x.length() * y.length() {
+            if !alike || !perpendicular(x, y) {
                 return Err(Problem::NonUniformScale("a disk"));
             }
             Ok(Placed::Disk { center: transform.translation, radius: x.length(), axes: axes(matrix) })

@@ -28,14 +28,18 @@ pub(super) enum MeshFile {
 }
 
 impl MeshFile {
-    fn parse(self, bytes: &[u8]) -> Result<Mesh, Flaw> {
+    fn parse(self, bytes: &[u8]) -> Result<MeshRead, Flaw> {
+        let silent = |mesh| (mesh, Vec::new());
         match self {
-            MeshFile::Obj => obj::read(bytes),
-            MeshFile::Ply => ply::read(bytes),
-            MeshFile::Serialized(index) => serialized::read(bytes, index),
+            MeshFile::Obj => obj::read_with_notes(bytes),
+            MeshFile::Ply => ply::read(bytes).map(silent),
+            MeshFile::Serialized(index) => serialized::read(bytes, index).map(silent),
         }
     }
 }
+
+/// A mesh as its file has it, and notes of what was passed over.
+pub(super) type MeshRead = (Mesh, Vec<String>);
 
 /// An image and how it is decoded.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -70,7 +74,7 @@ impl ImageFile {
 #[derive(Default)]
 pub(super) struct Ahead {
     /// Each with the number of times that it will be asked for.
-    meshes: RefCell<HashMap<(MeshFile, PathBuf), (Mesh, usize)>>,
+    meshes: RefCell<HashMap<(MeshFile, PathBuf), (MeshRead, usize)>>,
     images: RefCell<HashMap<ImageFile, Raster<Rgb>>>,
 }
 
@@ -81,7 +85,7 @@ enum Task {
 }
 
 enum Done {
-    Meshes(PathBuf, Vec<(MeshFile, usize, Mesh)>),
+    Meshes(PathBuf, Vec<(MeshFile, usize, MeshRead)>),
     Image(ImageFile, Raster<Rgb>),
 }
 
@@ -138,7 +142,7 @@ impl Ahead {
     }
 
     /// A mesh as its file has it.
-    pub(super) fn mesh(&self, kind: MeshFile, path: PathBuf) -> Result<Mesh, LoadError> {
+    pub(super) fn mesh(&self, kind: MeshFile, path: PathBuf) -> Result<MeshRead, LoadError> {
         let mut meshes = self.meshes.borrow_mut();
         let key = (kind, path);
         match meshes.get_mut(&key) {

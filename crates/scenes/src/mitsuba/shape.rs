@@ -1,12 +1,12 @@
 //! Shapes, groups of shapes and their instances.
 
 use super::{Import, ahead::MeshFile, emitter::area_radiance, medium::absorption, plugin::Plugin, tree::Node};
-use crate::{cube::inward_cube, error::LoadError, normals::vertex_normals};
+use crate::{cube::inward_cube, error::LoadError, normals::vertex_normals, tessellate::tessellated};
 use etendue_core::{
     geometry::Mesh,
     scene::{Group, GroupInstance, Object, ObjectShape},
 };
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 const KINDS: [&str; 11] =
     ["rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "shapegroup", "instance", "merge"];
@@ -122,14 +122,20 @@ impl<'d> Import<'_, 'd> {
                 }
                 ObjectShape::Cylinder { from, to, radius, inverted: flip }
             }
-            "obj" => ObjectShape::Mesh(mesh(plugin, MeshFile::Obj, flip)?),
-            "ply" => ObjectShape::Mesh(mesh(plugin, MeshFile::Ply, flip)?),
+            "obj" => ObjectShape::Mesh(mesh(plugin, MeshFile::Obj, flip, &to_world)?),
+            "ply" => ObjectShape::Mesh(mesh(plugin, MeshFile::Ply, flip, &to_world)?),
             "serialized" => {
                 let index = plugin.integer("shape_index", 0..=i64::from(u32::MAX))?.unwrap_or(0);
-                ObjectShape::Mesh(mesh(plugin, MeshFile::Serialized(index as usize), flip)?)
+                ObjectShape::Mesh(mesh(plugin, MeshFile::Serialized(index as usize), flip, &to_world)?)
             }
             _ => return Err(plugin.unknown_kind(&KINDS)),
         };
+        if !shape.stays_itself(&to_world) {
+            if let Some(mesh) = tessellated(&shape) {
+                self.reader.note(format!("{name}: its transform scales unevenly; a fine mesh stands for it"));
+                shape = ObjectShape::Mesh(mesh);
+            }
+        }
         let emitter = plugin.single("emitter")?;
         let met = self.reader.images.vertex_colors();
         let emission = match emitter {
@@ -170,24 +176,72 @@ impl<'d> Import<'_, 'd> {
 }
 
 /// A mesh from a file, with the normals that Mitsuba would give it; a normal of zero length gives way to a computed one.
-fn mesh(plugin: &Plugin, kind: MeshFile, flip: bool) -> Result<Mesh, LoadError> {
+fn mesh(plugin: &Plugin, kind: MeshFile, flip: bool, to_world: &DAffine3) -> Result<Mesh, LoadError> {
     let path = plugin.file("filename")?;
-    let mut mesh = plugin.reader.ahead.mesh(kind, path)?;
-    if plugin.boolean("face_normals")?.unwrap_or(false) {
-        mesh.normals.clear();
-    } else if mesh.normals.is_empty() {
-        mesh.normals = vertex_normals(&mesh);
-    } else if mesh.normals.contains(&Vec3::ZERO) {
-        let fallback = vertex_normals(&mesh);
-        mesh.normals.iter_mut().zip(fallback).filter(|(n, _)| **n == Vec3::ZERO).for_each(|(n, f)| *n = f);
+    let name = plugin.node.called();
+    let (mut mesh, notes) = plugin.reader.ahead.mesh(kind, path.clone())?;
+    for note in notes {
+        plugin.reader.note(format!("{}: {note}", path.display()));
     }
     // Mitsuba's default is to flip for OBJ alone.
     if plugin.boolean("flip_tex_coords")?.unwrap_or(kind == MeshFile::Obj) {
         mesh.uvs.iter_mut().for_each(|uv| uv.y = 1.0 - uv.y);
     }
-    if flip {
-        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    let flat = plugin.boolean("face_normals")?.unwrap_or(false);
+    let own_normals = !flat && !mesh.normals.is_empty();
+    if flat {
+        mesh.normals.clear();
+    } else if !own_normals {
+        mesh.normals = vertex_normals(&mesh);
+    } else if mesh.normals.contains(&Vec3::ZERO) {
+        let fallback = vertex_normals(&mesh);
+        mesh.normals.iter_mut().zip(fallback).filter(|(n, _)| **n == Vec3::ZERO).for_each(|(n, f)| *n = f);
+    }
+    let mirrored = to_world.matrix3.determinant() < 0.0;
+    let mut turned = vec![false; mesh.triangles.len()];
+    if own_normals {
+        turned = against_normals(&mesh);
+    } else if mirrored {
+        // Mitsuba takes the winding of what it has placed in the world.
+        plugin.reader.note(format!("{name}: its transform reflects, which turns a mesh without normals inside out"));
+        turned.fill(true);
         mesh.normals.iter_mut().for_each(|n| *n = -*n);
     }
+    if flip {
+        turned.iter_mut().for_each(|turned| *turned = !*turned);
+        mesh.normals.iter_mut().for_each(|n| *n = -*n);
+    }
+    // The scene winds the faces of a mirrored mesh once more.
+    if mesh.uvs.is_empty() && turned.iter().any(|turned| *turned != mirrored) {
+        mesh = with_barycentrics(&mesh);
+    }
+    for (triangle, _) in mesh.triangles.iter_mut().zip(turned).filter(|(_, turned)| *turned) {
+        triangle.swap(1, 2);
+    }
     Ok(mesh)
+}
+
+/// The mesh with the barycentric coordinates of each triangle as texture coordinates, which stand for missing ones: they
+/// are those of the corners in the order of the file, however a face is turned.
+fn with_barycentrics(mesh: &Mesh) -> Mesh {
+    let corners = || mesh.triangles.iter().flatten().map(|i| *i as usize);
+    let count = corners().count() as u32;
+    let of = |normals: &[Vec3]| if normals.is_empty() { Vec::new() } else { corners().map(|i| normals[i]).collect() };
+    Mesh {
+        positions: of(&mesh.positions),
+        normals: of(&mesh.normals),
+        uvs: [Vec2::ZERO, Vec2::X, Vec2::Y].into_iter().cycle().take(count as usize).collect(),
+        colors: if mesh.colors.is_empty() { Vec::new() } else { corners().map(|i| mesh.colors[i]).collect() },
+        triangles: (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+    }
+}
+
+/// Which faces look away from the side that their vertex normals are on, which decide, as in Mitsuba and pbrt.
+fn against_normals(mesh: &Mesh) -> Vec<bool> {
+    let is_against = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+        let sum: DVec3 = triangle.iter().map(|i| mesh.normals[*i as usize].as_dvec3().normalize_or_zero()).sum();
+        (b - a).cross(c - a).dot(sum) < 0.0
+    };
+    mesh.triangles.iter().map(is_against).collect()
 }

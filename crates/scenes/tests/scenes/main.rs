@@ -14,4 +14,5 @@ mod meshes;
 mod mitsuba;
 mod ranges;
 mod shared_files;
+mod sides;
 mod textures;

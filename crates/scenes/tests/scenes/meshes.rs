@@ -174,8 +174,6 @@ fn obj_polygons_are_fans() {
 #[test]
 fn obj_flaws_have_their_line() {
     for (line, message) in [
-        ("f 1 2", "a face has fewer than 3 vertices"),
-        ("f 1", "a face has fewer than 3 vertices"),
         ("f 1 2 4", "the vertex 4 is not among the 3 so far"),
         ("f 1 2 0", "the vertex 0 is not among the 3 so far"),
         ("f 1 2 -4", "the vertex -4 is not among the 3 so far"),
@@ -187,12 +185,31 @@ fn obj_flaws_have_their_line() {
         ("v 1 2", "2 numbers where 3 belong"),
         ("v 1 2 inf", "`inf` is not a finite number"),
         ("vn 1 2 1e99", "`1e99` is not a finite number"),
-        ("curv 0 1 1 2", "the statement `curv` is not supported"),
+        ("facet 0 1 1 2", "the statement `facet` is not supported"),
     ] {
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{line}\n");
         let expected = Flaw { place: Place::Line(4), message: message.to_owned() };
         assert_eq!(obj::read(text.as_bytes()).unwrap_err(), expected, "{line}");
     }
+}
+
+/// What has no surface is passed over with a note, in OBJ files as other programs write them; a backslash continues a line.
+#[test]
+fn obj_without_a_surface_is_noted() {
+    let (mesh, notes) = obj::read_with_notes(
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\np 1\nf 1 2\nl 2 3\ncurv 0 1 1 2\nf 1 \\\n 2 \\\r\n 3\n",
+    )
+    .unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2]]);
+    assert_eq!(
+        notes,
+        [
+            "line 4 and others: 2 times `l` is passed over; it has no surface",
+            "line 5: `p` is passed over; it has no surface",
+            "line 6: a face of fewer than 3 corners is passed over; it has no surface",
+            "line 8: `curv` is passed over; it has no surface",
+        ]
+    );
 }
 
 /// An image in the memory of a file.
