@@ -130,11 +130,11 @@ impl<'d> Import<'_, 'd> {
             }
             _ => return Err(plugin.unknown_kind(&KINDS)),
         };
-        if !shape.stays_itself(&to_world) {
-            if let Some(mesh) = tessellated(&shape) {
-                self.reader.note(format!("{name}: its transform scales unevenly; a fine mesh stands for it"));
-                shape = ObjectShape::Mesh(mesh);
-            }
+        if !shape.stays_itself(&to_world)
+            && let Some(mesh) = tessellated(&shape)
+        {
+            self.reader.note(format!("{name}: its transform scales unevenly; a fine mesh stands for it"));
+            shape = ObjectShape::Mesh(mesh);
         }
         let emitter = plugin.single("emitter")?;
         let met = self.reader.images.vertex_colors();
