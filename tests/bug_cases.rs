@@ -18,22 +18,23 @@ fn is(file: &str, right: f64) {
     let variance = means.iter().map(|m| (m - found).powi(2)).sum::<f64>() / (REPLICATES - 1) as f64;
     let noise = (variance / REPLICATES as f64).sqrt();
     println!("{file}: {found:.5} +- {noise:.5}, right {right}");
-    // The figures come from images of some thousand samples a pixel, with noise of their own.
-    assert!((found - right).abs() < limit(REPLICATES) * noise + 0.004 * right, "{file}: {found}, right {right}");
+    // The figures come from images of thousands of samples a pixel, and are rounded.
+    assert!((found - right).abs() < limit(REPLICATES) * noise + 0.002 * right, "{file}: {found}, right {right}");
 }
 
 /// Figures of Mitsuba 3.9.1.
 #[test]
 fn vertex_normals_against_the_winding() {
     is("winding/winding-in-normals-out-emitter.xml", 1.417);
-    is("winding/winding-in-normals-out-diffuse.xml", 0.612);
+    is("winding/winding-in-normals-out-diffuse.xml", 0.6132);
     is("winding/winding-in-normals-out-dielectric.xml", 0.862);
 }
 
-/// A figure of Mitsuba 3.9.1.
+/// The figure of Mitsuba 3.9.1 with flat faces. With the normals that it computes, by which its lights emit and ours do not, it
+/// has .502.
 #[test]
 fn a_mirrored_mesh_without_normals() {
-    is("mirror/plain-emitter-mirrored.xml", 0.5);
+    is("mirror/plain-emitter-mirrored.xml", 0.4018);
 }
 
 /// An integral of `1 / (pi d^3)`.
@@ -45,5 +46,5 @@ fn a_point_light_on_a_disk() {
 /// A figure of Mitsuba 3.9.1.
 #[test]
 fn a_mesh_with_a_line() {
-    is("obj-line-lenient/scene.xml", 0.754);
+    is("obj-line-lenient/scene.xml", 0.7585);
 }
