@@ -106,13 +106,19 @@ impl Source {
             return bytes.map(Source::Inline).ok_or_else(|| "its data URI cannot be decoded".to_owned());
         }
         let refused = |why: &str| format!("the file `{}` {why}", abridged(uri));
-        let name = percent_decoded(uri).and_then(|bytes| String::from_utf8(bytes).ok());
-        let name = name.ok_or_else(|| refused("has a name that cannot be decoded"))?;
+        let decoded = percent_decoded(uri).and_then(|bytes| String::from_utf8(bytes).ok());
         let folders = folders.ok_or_else(|| refused("cannot be read: the scene has no folder"))?;
+        // Some programs write names as they are, with a `%` that stands for itself.
+        let written = || folders.find(uri).map_err(|_| refused("has a name that cannot be decoded"));
+        let Some(name) = decoded else { return written().map(Source::File) };
         if name.contains("://") {
             return Err(refused("is not in a file"));
         }
-        folders.find(&name).map(Source::File)
+        let found = folders.find(&name);
+        if found.is_err() && name != uri && folders.find(uri).is_ok_and(|path| path.is_file()) {
+            return folders.find(uri).map(Source::File);
+        }
+        found.map(Source::File)
     }
 }
 
@@ -189,6 +195,12 @@ mod tests {
         let find = |uri: &str| Source::of(uri, Some(&folders));
         assert!(matches!(find("a%20b.bin"), Ok(Source::File(_))));
         assert!(matches!(find("c/../a b.bin"), Ok(Source::File(_))));
+        // As it is written, where nothing has the decoded name.
+        for name in ["at 10%.bin", "b%20c.bin"] {
+            std::fs::write(folder.path().join(name), b"x").unwrap();
+            let Ok(Source::File(path)) = find(name) else { panic!("{name}") };
+            assert!(path.ends_with(name));
+        }
         assert_eq!(find("data:text/plain,a%20b"), Ok(Source::Inline(b"a b".to_vec())));
         for outside in ["../a", "/etc/hosts", "c/../../a", "%2e%2e/a"] {
             let message = find(outside).unwrap_err();

@@ -44,6 +44,9 @@ impl<'b> Document<'b> {
         if root.asset.version.split('.').next() != Some("2") {
             return Err(flaw(format!("glTF of the version `{}`; 2.0 is read", abridged(&root.asset.version))));
         }
+        if let Some(least) = root.asset.min_version.as_deref().filter(|v| !matches!(*v, "2.0" | "2")) {
+            return Err(flaw(format!("the file asks for a reader of glTF {}; this one is of 2.0", abridged(least))));
+        }
         if let Some(name) = root.extensions_required.iter().find(|e| !EXTENSIONS.contains(&e.as_str()) && !lenient) {
             return Err(flaw(format!("the file requires the extension `{}`, which is not supported", abridged(name))));
         }

@@ -22,9 +22,12 @@ pub(super) fn light(
     let lights = lights.map_or(&[][..], |l| &l.lights);
     let light = item(lights, "lights", index)?;
     let place = || format!("lights[{index}]");
-    let color = (Rgb::from(light.color) * light.intensity).map(|c| c.max(0.0));
-    if !color.is_valid() {
-        return Err(flaw(format!("{}: its intensity is not finite", place())));
+    let color = Rgb::from(light.color) * light.intensity;
+    if !color.is_valid() || light.intensity < 0.0 {
+        return Err(flaw(format!("{}: its intensity or colour is negative or not finite", place())));
+    }
+    if light.color.iter().any(|c| *c > 1.0) {
+        notes.add(format!("{}: its colour is above 1, and taken as it is", place()));
     }
     let position = to_world.translation;
     let direction = to_world.transform_vector3(DVec3::NEG_Z).try_normalize();
@@ -43,12 +46,15 @@ pub(super) fn light(
             if !(cutoff > 0.0 && (0.0..=cutoff).contains(&beam)) {
                 return Err(flaw(format!("{}: its cones are {beam} and {cutoff}", place())));
             }
+            // A right angle in single precision is a little more.
+            if cutoff > FRAC_PI_2 + 1e-6 {
+                notes.add(format!("{}: its outer cone of {cutoff} is beyond a right angle, and cut there", place()));
+            }
             DeltaLight::Spot {
                 position,
                 direction: direction?,
                 intensity: color,
                 beam: beam.min(FRAC_PI_2),
-                // A right angle in single precision is a little more.
                 cutoff: cutoff.min(FRAC_PI_2),
                 image: None,
             }

@@ -78,8 +78,7 @@ impl<'d> Materials<'d> {
 impl Reader<'_, '_> {
     fn read(&mut self, material: &material::Material, colored: bool) -> Result<(Material, Surface), Flaw> {
         let pbr = &material.pbr_metallic_roughness;
-        let unit = |v: f32| v.clamp(0.0, 1.0);
-        let [r, g, b, alpha] = pbr.base_color_factor.0.map(unit);
+        let [r, g, b, alpha] = pbr.base_color_factor.0.map(|v| self.unit("baseColorFactor", v));
         let base = self.admitted(pbr.base_color_texture.as_ref().map(Lookup::of))?;
         let mut colors = None;
         let base_color = match &base {
@@ -98,7 +97,8 @@ impl Reader<'_, '_> {
         let opacity = self.opacity(material, base.as_ref(), alpha)?;
 
         let surface_texture = self.admitted(pbr.metallic_roughness_texture.as_ref().map(Lookup::of))?;
-        let (metal, rough) = (unit(pbr.metallic_factor.0), unit(pbr.roughness_factor.0));
+        let metal = self.unit("metallicFactor", pbr.metallic_factor.0);
+        let rough = self.unit("roughnessFactor", pbr.roughness_factor.0);
         // Roughness is in green, metal in blue.
         let metallic = self.number(surface_texture, 2, metal)?;
         let roughness = self.number(surface_texture, 1, rough)?;
@@ -113,13 +113,17 @@ impl Reader<'_, '_> {
 
         let extensions = material.extensions.as_ref();
         let ior = extensions.and_then(|e| e.ior.as_ref()).map_or(1.5, |i| i.ior.0);
-        // 0 is for materials of another model.
         let eta = if ior >= 1.0 && ior.is_finite() { ior } else { 1.5 };
+        // 0 is for materials of another model [KHR_materials_ior].
+        if eta != ior && ior != 0.0 {
+            self.note(&format!("has an ior of {ior}, which is below 1; it counts as 1.5"));
+        }
         let transmission = extensions.and_then(|e| e.transmission.as_ref());
         let transmitted = match transmission {
             Some(transmission) => {
                 let lookup = self.admitted(transmission.transmission_texture.as_ref().map(Lookup::of))?;
-                self.number(lookup, 0, unit(transmission.transmission_factor.0))?
+                let factor = self.unit("transmissionFactor", transmission.transmission_factor.0);
+                self.number(lookup, 0, factor)?
             }
             None => 0.0.into(),
         };
@@ -127,8 +131,14 @@ impl Reader<'_, '_> {
         let volume = extensions.and_then(|e| e.volume.as_ref()).filter(|v| v.thickness_factor.0 > 0.0);
         let absorption = volume.filter(|_| transmits).and_then(|volume| {
             let (distance, color) = (volume.attenuation_distance.0, volume.attenuation_color.0);
+            if distance <= 0.0 || distance.is_nan() {
+                self.note(&format!(
+                    "has an attenuationDistance of {distance}, which is not positive; nothing is absorbed"
+                ));
+            }
+            let color = color.map(|c| self.unit("attenuationColor", c));
             // The colour is what is left of white after the distance [KHR_materials_volume]; black would be endless.
-            let coefficient = color.map(|c| -unit(c).max(f32::MIN_POSITIVE).ln() / distance);
+            let coefficient = color.map(|c| -c.max(f32::MIN_POSITIVE).ln() / distance);
             let coefficient = Rgb::from(coefficient).map(|c| c.max(0.0));
             (distance > 0.0 && coefficient.is_valid() && !coefficient.is_black()).then_some(coefficient)
         });
@@ -213,6 +223,9 @@ impl Reader<'_, '_> {
         alpha: f32,
     ) -> Result<Texture<f32>, Flaw> {
         let cutoff = material.alpha_cutoff.map_or(0.5, |c| c.0);
+        if cutoff < 0.0 || cutoff.is_nan() {
+            self.note(&format!("has an alphaCutoff of {cutoff}, which is negative"));
+        }
         match (valid(&material.alpha_mode, || format!("the material `{}`", self.name))?, base) {
             (AlphaMode::Opaque, _) => Ok(1.0.into()),
             (AlphaMode::Mask, Some(base)) => self.textures.threshold(base, alpha, cutoff, self.notes),
@@ -229,6 +242,9 @@ impl Reader<'_, '_> {
         let factor = Rgb::from(material.emissive_factor.0) * strength;
         if !factor.is_valid() {
             return Err(flaw(format!("the material `{}` emits what is negative or not finite", self.name)));
+        }
+        if material.emissive_factor.0.iter().any(|c| *c > 1.0) {
+            self.note("has an emissiveFactor above 1, which is taken as it is");
         }
         if factor.is_black() {
             return Ok(None);
@@ -249,14 +265,13 @@ impl Reader<'_, '_> {
     /// Sheen, and the clear coat with its gloss, as the principled material has them.
     fn layers(&mut self, extensions: Option<&Map<String, Value>>) -> [Texture<f32>; 3] {
         let of = |name: &str, field: &str| extensions.and_then(|e| e.get(name)).and_then(|e| e.get(field));
-        let number = |value: Option<&Value>| value.and_then(Value::as_f64).unwrap_or(0.0).clamp(0.0, 1.0) as f32;
+        let mut number =
+            |name: &str, value: Option<&Value>| self.unit(name, value.and_then(Value::as_f64).unwrap_or(0.0) as f32);
         let (sheen, coat) = ("KHR_materials_sheen", "KHR_materials_clearcoat");
-        let strongest = |value: Option<&Value>| {
-            let components = value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-            components.iter().map(|c| number(Some(c))).fold(0.0, f32::max)
-        };
-        let sheen_strength = strongest(of(sheen, "sheenColorFactor"));
-        let coat_strength = number(of(coat, "clearcoatFactor"));
+        let sheen_color = of(sheen, "sheenColorFactor").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+        let sheen_strength = sheen_color.iter().map(|c| number("sheenColorFactor", Some(c))).fold(0.0, f32::max);
+        let coat_strength = number("clearcoatFactor", of(coat, "clearcoatFactor"));
+        let coat_roughness = number("clearcoatRoughnessFactor", of(coat, "clearcoatRoughnessFactor"));
         if sheen_strength > 0.0 {
             self.note("has a sheen, which is approximated");
         }
@@ -270,9 +285,18 @@ impl Reader<'_, '_> {
             self.note("has textures of its sheen or clear coat, which are left out");
         }
         // The gloss takes the microfacet roughness from 0.1 to 0.001 [Burley 2012, sec. 5.6].
-        let alpha = number(of(coat, "clearcoatRoughnessFactor")).powi(2);
+        let alpha = coat_roughness.powi(2);
         let gloss = ((0.1 - alpha) / (0.1 - 0.001)).clamp(0.0, 1.0);
         [sheen_strength.into(), coat_strength.into(), gloss.into()]
+    }
+
+    /// A number that belongs in the unit interval, moved there with a note.
+    fn unit(&mut self, name: &str, value: f32) -> f32 {
+        let moved = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) };
+        if moved != value {
+            self.note(&format!("has a {name} of {value}, outside of 0 to 1; it counts as {moved}"));
+        }
+        moved
     }
 
     fn note(&mut self, what: &str) {

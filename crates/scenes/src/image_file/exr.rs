@@ -23,6 +23,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap<Rgb>, Flaw> {
         check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, bytes.len())?;
     }
     let has = |name: &str| meta.headers.iter().any(|h| h.channels.list.iter().any(|c| c.name.eq(name)));
+    let names = |channel: &exr::meta::attribute::ChannelDescription| channel.name.to_string();
+    let complete = |h: &exr::meta::header::Header| {
+        let named = |name: &str| h.channels.list.iter().any(|c| c.name.eq(name));
+        named("Y") || ["R", "G", "B"].iter().all(|name| named(name))
+    };
+    if !meta.headers.iter().any(complete) {
+        let mut channels: Vec<String> = meta.headers.iter().flat_map(|h| h.channels.list.iter().map(names)).collect();
+        channels.truncate(12);
+        let list = channels.join("`, `");
+        return Err(whole(format!("the image has no channels `R`, `G` and `B`, and no `Y`; it has `{list}`")));
+    }
     let blank = |size: exr::math::Vec2<usize>| Bitmap {
         width: size.width() as u32,
         height: size.height() as u32,

@@ -73,6 +73,11 @@ pub fn read(path: &Path) -> Result<Image, LoadError> {
 ///
 /// Anything that is wrong, an image of more than [`MOST_TEXELS`], or one that is too large to be in so small a file.
 pub fn decode(bytes: &[u8], name: &Path, coding: Coding) -> Result<Raster<Rgb>, Flaw> {
+    // Some programs begin Radiance files with the name of their texels.
+    if let Some(rest) = bytes.strip_prefix(b"#?RGBE") {
+        let renamed = [b"#?RADIANCE", rest].concat();
+        return whole_numbers(&renamed, ImageFormat::Hdr, coding);
+    }
     match format(bytes, name) {
         Some(ImageFormat::OpenExr) => Ok(Arc::new(exr::decode(bytes)?).into()),
         Some(format) if format.reading_enabled() => whole_numbers(bytes, format, coding),

@@ -84,6 +84,9 @@ fn photographs_and_radiance_are_read() {
     let hdr = encoded(ImageFormat::Hdr, false);
     for coding in [Coding::Srgb, Coding::Linear] {
         let found = texels(&hdr, "a.hdr", coding);
+        // As other programs begin such files.
+        let renamed = [b"#?RGBE", hdr.strip_prefix(b"#?RADIANCE").unwrap()].concat();
+        assert_eq!(texels(&renamed, "a.hdr", coding), found);
         assert!((found[3][0] - 128.0 / 255.0).abs() < 1.0 / 256.0 && found[0] == [1.0, 0.0, 0.0], "{found:?}");
     }
 }

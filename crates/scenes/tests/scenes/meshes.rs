@@ -225,6 +225,20 @@ pub(crate) fn exr_bytes<T: exr::prelude::IntoSample>(
     out.into_inner()
 }
 
+/// Channels of layers alone are named.
+#[test]
+fn layers_of_images_are_named() {
+    use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, WritableImage};
+    let names = ["beauty.R", "beauty.G", "beauty.B"];
+    let channels = names.map(|name| AnyChannel::new(name, FlatSamples::F32(vec![0.5; 4])));
+    let mut out = Cursor::new(Vec::new());
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    Image::from_channels((2, 2), channels).write().non_parallel().to_buffered(&mut out).unwrap();
+    let message = read_exr(&out.into_inner()).unwrap_err().message;
+    let expected = "the image has no channels `R`, `G` and `B`, and no `Y`; it has `beauty.B`, `beauty.G`, `beauty.R`";
+    assert_eq!(message, expected);
+}
+
 #[test]
 fn images_keep_values_beyond_half_range() {
     let image = read_exr(&exr_bytes(3, 2, |x, y| (1e6f32, x as f32, y as f32 * 3e38))).unwrap();

@@ -5,6 +5,7 @@ mod files;
 mod geometry;
 mod lights_and_cameras;
 mod materials;
+mod ranges;
 mod refusals;
 
 use build::{F32, File, U8, U16, base64, png, triangle};
