@@ -37,7 +37,7 @@ fn cylinders_and_absorption() {
     check(&|s| s.objects[1].shape = cylinder(DVec3::ZERO, DVec3::Y * 1e-30, 1.0), &["ball", "axis in the world"]);
     let squeeze = |s: &mut SceneDescription| {
         s.objects[1].shape = cylinder(DVec3::ZERO, DVec3::Y, 1.0);
-        s.objects[1].to_world.matrix3.y_axis *= 2.0;
+        s.objects[1].to_world.matrix3.x_axis *= 2.0;
     };
     check(&squeeze, &["ball", "a cylinder uniformly"]);
     check(&|s| s.objects[1].absorption = Some(Rgb::splat(-1.0)), &["ball", "absorption"]);

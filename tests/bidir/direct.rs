@@ -9,6 +9,7 @@ use etendue_bidir::{
 use etendue_core::{
     bsdf::TransportMode,
     camera::{CameraSample, Projection},
+    frame::Frame,
     geometry::{
         Surface,
         offset::{offset_origin, spawn_ray},
@@ -87,9 +88,12 @@ fn trace(scene: &Scene, mode: TransportMode, ray: Ray, from: Vec3, expected: &Su
     let off = vertex.surface.p.distance(expected.surface.p);
     let bound = 1e-5 * (from.distance(expected.surface.p) + expected.surface.p.length());
     // The path is where it is: on which side of a sphere's surface rounding leaves a point, and how exactly rays graze it,
-    // must not depend on who asks.
-    let surface = Surface { p: expected.surface.p, ng: expected.surface.ng, ..vertex.surface };
-    (same && off <= bound).then_some(SurfaceVertex { surface, from, ..vertex })
+    // must not depend on who asks; nor whether its two normals are one.
+    let Surface { p, ng, ns, .. } = expected.surface;
+    let is_one = vertex.frame.normal == vertex.surface.ng;
+    let frame = if is_one { Frame { normal: ng, ..vertex.frame } } else { vertex.frame };
+    let surface = Surface { p, ng, ns, ..vertex.surface };
+    (same && off <= bound).then_some(SurfaceVertex { surface, frame, from, ..vertex })
 }
 
 fn cos(n: Vec3, w: Vec3) -> f64 {

@@ -182,7 +182,7 @@ fn both_directions_say_the_same() {
                     let what = format!("{name}, {tilt} degrees, {a} {b}");
                     // Far from the peak, the half vector of a refraction is a small difference.
                     assert!((x - y).abs() < 1e-3 * (x + y) + 1e-5, "{what}: {x} {y}");
-                    let same = |p: f32, q: f32| (p - q).abs() < 1e-4 * (p + q) + 1e-7;
+                    let same = |p: f32, q: f32| (p - q).abs() < 1e-4 * (p + q) + 1e-5;
                     let reverse = camera.pdf_reverse::<ALL>(b, TransportMode::Radiance);
                     assert!(same(reverse, light_pdf), "{what}: {reverse} {light_pdf}");
                     let reverse = light.pdf_reverse::<ALL>(a, TransportMode::Importance);
