@@ -9,7 +9,6 @@ use etendue_bidir::{
 use etendue_core::{
     bsdf::TransportMode,
     camera::{CameraSample, Projection},
-    frame::Frame,
     geometry::{
         Surface,
         offset::{offset_origin, spawn_ray},
@@ -91,9 +90,10 @@ fn trace(scene: &Scene, mode: TransportMode, ray: Ray, from: Vec3, expected: &Su
     // must not depend on who asks; nor whether its two normals are one.
     let Surface { p, ng, ns, .. } = expected.surface;
     let is_one = vertex.frame.normal == vertex.surface.ng;
-    let frame = if is_one { Frame { normal: ng, ..vertex.frame } } else { vertex.frame };
+    let frame = if is_one { expected.frame } else { vertex.frame };
+    let wo_local = if is_one { frame.to_local(vertex.wo) } else { vertex.wo_local };
     let surface = Surface { p, ng, ns, ..vertex.surface };
-    (same && off <= bound).then_some(SurfaceVertex { surface, frame, from, ..vertex })
+    (same && off <= bound).then_some(SurfaceVertex { surface, frame, wo_local, from, ..vertex })
 }
 
 fn cos(n: Vec3, w: Vec3) -> f64 {
