@@ -223,7 +223,7 @@ fn images_are_as_bright_as_they_must_be() {
             let found = means(run, technique, knobs, 0, 16);
             let error = truth.standard_error().hypot(found.standard_error());
             let difference = found.mean() - truth.mean();
-            // Few of a pass's photons come through the gap of the door, and first disks are wide there.
+            // About 3 % too dark there; the cause is not known.
             let bias = if (*scene, technique.name) == ("ajar-door", SPPM.name) { 0.06 } else { 0.02 };
             println!(
                 "{scene}, {}: {:.5} against {:.5}: {:+.2} % +- {:.2} %",

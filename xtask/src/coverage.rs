@@ -10,7 +10,7 @@ use etendue_core::{
 /// The most lights that are named.
 const NAMED: usize = 3;
 
-/// Whether a technique, with its knobs at their defaults, leaves out light that the scene can have.
+/// Returns `true` if a technique, with its knobs at their defaults, leaves out light that the scene can have.
 pub fn misses(technique: &TechniqueInfo, chain: Chain, scene: &SceneDescription, depth: u32) -> bool {
     (technique.misses)(&defaults(technique)).contains(&chain)
         && chain.edges() <= depth
@@ -25,7 +25,7 @@ pub fn every_technique() -> Vec<Choice> {
     TECHNIQUES.iter().map(|t| (*t, defaults(t))).collect()
 }
 
-/// What some techniques leave out of a scene's image, a sentence for each kind of light.
+/// The light that some techniques leave out of a scene's image, a sentence for each kind.
 pub fn gaps(scene: &SceneDescription, depth: u32, parts: Parts, techniques: &[Choice]) -> Vec<String> {
     let chains = Census::of(scene).chains().into_iter().filter(|c| c.edges() <= depth && c.meets(parts));
     let gap = |chain: Chain| {

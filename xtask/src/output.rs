@@ -1,4 +1,4 @@
-//! Where images are written: what can be wrong with it is said before time is spent on them.
+//! Names of images to write, checked before time is spent on rendering.
 
 use crate::{
     error::Error,
@@ -55,7 +55,7 @@ fn check_owner(out: &Path, scene: &str) -> Result<(), Error> {
     Err(Error::Content { path: path.into(), reason })
 }
 
-/// Whether two scenes as they were called are one file, or one built-in scene.
+/// Returns `true` if two names of scenes are one file, or one built-in scene.
 fn is_same(a: &str, b: &str) -> bool {
     a == b || fs::canonicalize(a).ok().is_some_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
 }

@@ -235,7 +235,7 @@ pub fn technique(job: &Job) -> &'static str {
     }
 }
 
-/// What a reference is made with where nothing else is asked for: independent numbers, as its error is told from the scatter of
+/// The default sampler of references: independent numbers, as its error is told from the scatter of
 /// its passes.
 pub fn wish(size: Option<Size>, depth: Option<u32>, load: LoadOptions) -> Wish {
     Wish { technique: "path".into(), knobs: vec![], sampler: "independent".into(), parts: vec![], size, depth, load }

@@ -10,7 +10,7 @@ pub struct SamplerInfo {
     pub name: &'static str,
     /// Makes it.
     pub build: SamplerBuilder,
-    /// Whether it is told how many passes are planned. Then passes that are rendered apart, or that go on after more or fewer,
+    /// `true` if it is told how many passes are planned. Then passes that are rendered apart, or that go on after more or fewer,
     /// have other bits than in one go; both estimate the same image.
     pub plans: bool,
 }

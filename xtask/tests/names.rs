@@ -25,7 +25,7 @@ fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&xtask(folder, &arguments).success().get_output().stdout).unwrap()
 }
 
-/// What the command says when it refuses.
+/// The message of a command that refuses.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = xtask(folder, arguments).code(2).get_output().clone();
     String::from_utf8(output.stderr).unwrap()

@@ -410,12 +410,6 @@ impl<'a> Paths<'a> {
         if !d2.is_normal() {
             return None;
         }
-        // In the plane of a surface within rounding, it is not known on which side of it the other vertex is.
-        let error = y.surface.p_error + z.surface.p_error;
-        let beside = |ng: Vec3| to.dot(ng).abs() <= error.dot(ng.abs());
-        if beside(y.surface.ng) || beside(z.surface.ng) {
-            return None;
-        }
         let wi = to / d2.sqrt();
         let (z_f_cos, camera_pdf_w) = z.eval_pdf::<HAS>(wi, TransportMode::Radiance);
         if z_f_cos.is_black() {
@@ -423,6 +417,12 @@ impl<'a> Paths<'a> {
         }
         let (y_f_cos, light_pdf_w) = y.eval_pdf::<HAS>(-wi, TransportMode::Importance);
         if y_f_cos.is_black() {
+            return None;
+        }
+        // In the plane of a surface within rounding, it is not known on which side of it the other vertex is.
+        let error = y.surface.p_error + z.surface.p_error;
+        let beside = |ng: Vec3| to.dot(ng).abs() <= error.dot(ng.abs());
+        if beside(y.surface.ng) || beside(z.surface.ng) {
             return None;
         }
         // [Veach 1997, eq. 10.8]

@@ -100,7 +100,7 @@ impl Chain {
         }
     }
 
-    /// Whether its light can belong to one of some parts.
+    /// Returns `true` if its light can belong to one of `parts`.
     pub const fn meets(self, parts: Parts) -> bool {
         match self {
             Chain::LightThroughDelta => parts.contains(Part::Emission),
@@ -149,7 +149,7 @@ pub struct Knob {
     pub range: (f64, f64),
     /// Value when it is not given.
     pub default: f64,
-    /// Whether it takes whole numbers alone.
+    /// `true` for a knob that takes whole numbers alone.
     pub whole: bool,
 }
 

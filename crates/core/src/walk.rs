@@ -15,7 +15,7 @@ use crate::{
     statistics::render::Rays,
 };
 use glam::{Vec2, Vec3};
-use scattering::folded;
+use scattering::{folded, local_of};
 
 /// Where a walk ends.
 #[derive(Clone, Copy, Debug)]
@@ -176,17 +176,18 @@ impl<'a, const HAS: u32> Walk<'a, HAS> {
                 self.absorb(hit.t);
                 let bsdf = self.scene.bsdf::<HAS>(&surface);
                 let tilt = self.scene.tilt::<HAS>(&surface, &bsdf);
-                let seen = folded(wo, surface.ns, surface.ng);
-                let normal = match (&tilt, self.mode) {
-                    (None, _) => surface.ns,
-                    (Some(tilt), TransportMode::Radiance) => tilt.seen_from(seen),
-                    // The direction to the viewer is not known yet.
-                    (Some(tilt), TransportMode::Importance) => tilt.normals(seen)[0],
-                };
+                let normal = tilt.as_ref().map_or(surface.ns, |tilt| {
+                    let seen = folded(wo, surface.ns, surface.ng);
+                    match self.mode {
+                        TransportMode::Radiance => tilt.seen_from(seen),
+                        // The direction to the viewer is not known yet.
+                        TransportMode::Importance => tilt.normals(seen)[0],
+                    }
+                });
                 let frame = frame_about::<HAS>(&bsdf, normal, &surface);
                 Vertex::Surface(SurfaceVertex {
                     bsdf,
-                    wo_local: frame.to_local(seen),
+                    wo_local: local_of::<HAS>(&frame, &surface, wo),
                     surface,
                     frame,
                     tilt,

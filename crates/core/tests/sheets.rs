@@ -12,7 +12,7 @@ use etendue_core::{
 };
 use glam::{DAffine3, DVec3, UVec2, Vec2, Vec3};
 
-/// What a white rectangle with this relief, seen from behind, scatters from the right and from the left.
+/// Values of a white rectangle with this relief, seen from behind, for light from the right and from the left.
 fn seen_from_behind(relief: Relief) -> [f32; 2] {
     let material = Material::Relief { relief, material: Box::new(Material::lambert(Rgb::WHITE)) };
     let scene = Scene::new(&SceneDescription {

@@ -52,7 +52,7 @@ pub struct Irradiance {
     pub value: Rgb,
     /// Normal of the surface on the side that it arrives on.
     pub normal: Octahedral,
-    /// How far from the place it may stand for what arrives, metres; 0 where photons are gathered from what is no clear surface.
+    /// Radius around the place, metres, within which its irradiance is used; 0 where the disk is no clear surface.
     pub reach: f32,
     /// Edges of the longest of the photons' paths from a light.
     pub longest: u32,
@@ -277,7 +277,7 @@ impl IrradianceMap {
 }
 
 impl Irradiance {
-    /// What a Lambert surface at the end of a path of `depth` edges reflects by the irradiance at a place `p`. Where some of the
+    /// Radiance that a Lambert surface at the end of a path of `depth` edges reflects by the irradiance at a place `p`. Where some of the
     /// photons around make paths of more edges than are asked for, they are gathered anew from `map`.
     #[inline]
     pub fn reflected(

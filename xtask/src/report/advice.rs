@@ -1,4 +1,4 @@
-//! Which technique to take for a scene, and what it costs.
+//! Advice: the technique to take for each scene, with its cost.
 
 use crate::{
     clock::human_seconds,
@@ -12,7 +12,7 @@ use crate::{
 use etendue_core::technique::Bias;
 use serde::Serialize;
 
-/// Which of [`TARGETS`] decides.
+/// Index of the deciding error among [`TARGETS`].
 const AIM: usize = 1;
 /// Times that differ by less than this factor are alike: about what five replicates of a noisy machine can tell.
 const ALIKE: f64 = 1.25;
@@ -28,7 +28,7 @@ pub struct Advice {
     pub relmse: f64,
     /// Its time.
     pub seconds: Option<f64>,
-    /// Whether that lies beyond what was measured.
+    /// `true` if that lies beyond what was measured.
     pub extrapolated: bool,
     /// All of it in a sentence.
     pub text: String,
@@ -93,7 +93,7 @@ fn error(relmse: f64) -> String {
     format!("{} %", number(100.0 * relmse.sqrt()))
 }
 
-/// What can be said where no time to the error is known.
+/// The advice where no time to the error is known.
 fn unknown(section: &Section) -> String {
     let name = TARGETS[AIM].1;
     let short = short_scene(&section.facts.scene);

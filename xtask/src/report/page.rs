@@ -41,7 +41,7 @@ pub fn document(heading: &str, lead: &str, body: &str) -> String {
     )
 }
 
-/// What to take, and what to know before.
+/// The advice, with the light that is left out.
 fn in_short(advice: &[Advice], run: &RunFacts) -> String {
     let item = |a: &Advice| format!("<li>{}</li>", escape(&a.text));
     let items: String = advice.iter().map(item).collect();
@@ -171,7 +171,7 @@ fn name(series: &Series) -> String {
     }
 }
 
-/// How many replicates the lines and bands of a chart are of.
+/// The number of replicates behind the lines and bands of a chart.
 fn replicates(section: &Section) -> String {
     let counts = section.series.iter().map(|s| s.end().replicates);
     let (least, most) = (counts.clone().min().unwrap_or(0), counts.max().unwrap_or(0));

@@ -63,7 +63,7 @@ impl SummaryRow {
     }
 }
 
-/// What the columns of times mean, above their heads.
+/// The meaning of the columns of times, above their heads.
 const LEGEND: &str = "\
 to 10 %, 3 %, 1 %: time until the error is that, building included. The error is the root of relMSE, the mean over pixels
 and channels of (image - reference)^2 / (reference^2 + 0.01), without the reference's own part; relMSE at 3 % is 10^-3.

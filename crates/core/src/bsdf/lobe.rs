@@ -106,7 +106,7 @@ impl Lobe {
         }
     }
 
-    /// Whether the lobe or a part of it is diffuse.
+    /// Returns `true` if the lobe or a part of it is diffuse.
     #[inline]
     pub(super) fn has_diffuse(&self) -> bool {
         match self {

@@ -194,13 +194,13 @@ impl Bsdf {
         self.first.has_delta() || self.second.is_some_and(|(lobe, _)| lobe.has_delta())
     }
 
-    /// Whether this is a single Lambert lobe.
+    /// Returns `true` for a single Lambert lobe.
     #[inline]
     pub(crate) fn is_lambert(&self) -> bool {
         matches!((&self.first, &self.second), (Lobe::Lambert { .. }, None))
     }
 
-    /// Whether some lobe is diffuse in part: its value does not vanish towards the horizon.
+    /// Returns `true` if a lobe has a diffuse part, whose value does not vanish towards the horizon.
     #[inline]
     pub(crate) fn has_diffuse(&self) -> bool {
         self.first.has_diffuse() || self.second.is_some_and(|(lobe, _)| lobe.has_diffuse())

@@ -53,12 +53,12 @@ impl LobeKind {
 }
 
 impl LobeKind {
-    /// Whether it scatters into single directions, if only in part.
+    /// Returns `true` for lobes with a part that scatters into single directions.
     pub const fn has_delta(self) -> bool {
         matches!(self, LobeKind::Plastic) || !self.has_rough()
     }
 
-    /// Whether it scatters into a range of directions, if only in part.
+    /// Returns `true` for lobes with a part that scatters into a range of directions.
     pub const fn has_rough(self) -> bool {
         !matches!(self, LobeKind::Conductor | LobeKind::Dielectric | LobeKind::ThinDielectric | LobeKind::Null)
     }

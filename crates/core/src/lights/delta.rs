@@ -63,7 +63,7 @@ impl From<&DeltaLight> for Delta {
 }
 
 impl Delta {
-    /// Where it is; `None` at infinity.
+    /// Position in the world; `None` for a light at infinity.
     #[inline]
     pub fn position(&self) -> Option<Vec3> {
         match self {

@@ -149,10 +149,10 @@ impl Lights {
     /// The position of a light without an extent, off the surfaces that it lies on, on the side that `towards` is on.
     #[inline]
     fn off_surfaces(&self, element: u32, position: Vec3, towards: Vec3) -> Vec3 {
-        match self.touching.get((element as usize).wrapping_sub(self.area.len())) {
-            None => position,
-            Some(touching) => touching.moved(position, towards),
+        if self.touching.is_empty() {
+            return position;
         }
+        self.touching[element as usize - self.area.len()].moved(position, towards)
     }
 
     /// Number of elements.

@@ -50,7 +50,7 @@ impl Touching {
         found
     }
 
-    /// Whether there is any surface.
+    /// Returns `true` if the light lies on a surface.
     pub fn any(&self) -> bool {
         self.offsets[0] != Vec3::ZERO
     }

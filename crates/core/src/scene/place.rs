@@ -167,7 +167,7 @@ fn uniform_scale(matrix: DMat3) -> Option<f64> {
     (alike && orthogonal).then_some(scale)
 }
 
-/// Whether two vectors are at right angles, as far as transforms are exact.
+/// Returns `true` if two vectors are at right angles, as far as transforms are exact.
 fn perpendicular(a: DVec3, b: DVec3) -> bool {
     a.dot(b).abs() <= UNIFORM * a.length() * b.length()
 }

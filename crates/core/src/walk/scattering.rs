@@ -10,6 +10,7 @@ use super::{SurfaceVertex, frame_about, transmittance};
 use crate::{
     bsdf::{BsdfSample, TransportMode, shading_correction},
     frame::Frame,
+    geometry::Surface,
     has,
     relief::Tilt,
     rgb::Rgb,
@@ -25,8 +26,7 @@ const TURNED: f32 = 0.25;
 /// Share of the samples of a path from a light that follow the cosine to the geometric normal, where the surface is a
 /// single Lambert lobe.
 ///
-/// What such a path carries is `f |wi.ng|`; sampled by `|wi.ns|` alone, its second moment diverges where `wi.ns`
-/// approaches 0.
+/// Such a path carries `f |wi.ng|`; sampled by `|wi.ns|` alone, its second moment diverges where `wi.ns` approaches 0.
 const GEOMETRIC_LAMBERT: f32 = 0.5;
 
 /// The same for lobes of which a part is diffuse.
@@ -36,6 +36,15 @@ const GEOMETRIC_MIXED: f32 = 0.25;
 #[inline]
 pub(super) fn folded(w: Vec3, ns: Vec3, ng: Vec3) -> Vec3 {
     if w.dot(ns) * w.dot(ng) > 0.0 { w } else { -w }
+}
+
+/// `T(w)` in a frame about the shading normal, or about a relief's.
+#[inline]
+pub(super) fn local_of<const HAS: u32>(frame: &Frame, surface: &Surface, w: Vec3) -> Vec3 {
+    let local = frame.to_local(w);
+    // Without reliefs the frame stands on `ns`.
+    let ns = if HAS & has::TEXTURES == 0 { local.z } else { w.dot(surface.ns) };
+    if ns * w.dot(surface.ng) > 0.0 { local } else { -local }
 }
 
 impl SurfaceVertex {
@@ -51,19 +60,18 @@ impl SurfaceVertex {
     /// `T(w)` in the shading frame, for the world direction `w`.
     #[inline]
     fn local<const HAS: u32>(&self, w: Vec3) -> Vec3 {
-        let local = self.frame.to_local(w);
-        // Without reliefs the frame stands on `ns`.
-        let ns = if HAS & has::TEXTURES == 0 { local.z } else { w.dot(self.surface.ns) };
-        if ns * w.dot(self.surface.ng) > 0.0 { local } else { -local }
+        local_of::<HAS>(&self.frame, &self.surface, w)
     }
 
     /// The world direction whose `T` is `local` in the shading frame.
     #[inline]
-    fn world(&self, local: Vec3) -> Vec3 {
-        folded(self.frame.to_world(local), self.surface.ns, self.surface.ng)
+    fn world<const HAS: u32>(&self, local: Vec3) -> Vec3 {
+        let w = self.frame.to_world(local);
+        let ns = if HAS & has::TEXTURES == 0 { local.z } else { w.dot(self.surface.ns) };
+        if ns * w.dot(self.surface.ng) > 0.0 { w } else { -w }
     }
 
-    /// Whether sampling a direction takes a number for the choice of a normal: paths from lights choose one where the
+    /// Returns `true` if sampling a direction takes a number for the choice of a normal: on paths from lights, where the
     /// shading normal is not the geometric one.
     #[inline]
     pub(super) fn chooses_normal(&self, mode: TransportMode) -> bool {
@@ -125,9 +133,9 @@ impl SurfaceVertex {
         mode: TransportMode,
     ) -> Option<(Vec3, BsdfSample, f32)> {
         let sample = self.bsdf.sample::<HAS>(self.wo_local, u_lobe, u, mode)?;
-        let wi = self.world(sample.wi);
+        let wi = self.world::<HAS>(sample.wi);
         let straight = goes_straight::<HAS>(&sample, self.wo_local);
-        Some((wi, sample, if straight { 1.0 } else { self.correction(wi, sample.wi, mode) }))
+        Some((wi, sample, if straight { 1.0 } else { self.correction::<HAS>(wi, sample.wi, mode) }))
     }
 
     /// [`SurfaceVertex::sample`] by the cosine to the geometric normal with the probability `share`, else by the BSDF.
@@ -160,7 +168,11 @@ impl SurfaceVertex {
     /// The factor of shading normals for light going from or to `wi`, in the world and as [`SurfaceVertex::local`]; 0 where a
     /// relief's normal sees `wi` or `wo` on another side than the surface does.
     #[inline]
-    fn correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
+    fn correction<const HAS: u32>(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
+        if HAS & has::TEXTURES == 0 && mode == TransportMode::Radiance {
+            // After `T` both normals see both directions on one side.
+            return 1.0;
+        }
         shading_correction(mode, self.wo.dot(self.surface.ng), self.wo_local.z, wi.dot(self.surface.ng), wi_local.z)
     }
 
@@ -175,7 +187,7 @@ impl SurfaceVertex {
         let wi_local = self.local::<HAS>(wi);
         let (f, pdf_w) = self.bsdf.eval_pdf::<HAS>(self.wo_local, wi_local, mode);
         let pdf_w = self.mixed_pdf(self.geometric_share::<HAS>(mode), pdf_w, self.wo, wi);
-        (f * (wi_local.z.abs() * self.correction(wi, wi_local, mode)), pdf_w)
+        (f * (wi_local.z.abs() * self.correction::<HAS>(wi, wi_local, mode)), pdf_w)
     }
 
     /// The density per steradian with which a walk the other way, that comes from the world direction `wi`, samples `wo`.
@@ -279,7 +291,7 @@ impl SurfaceVertex {
     }
 }
 
-/// Whether light passes straight through a mask or a thin sheet: it has met no boundary that a normal belongs to.
+/// Returns `true` for light that passes straight through a mask or a thin sheet: it has met no boundary with a normal.
 #[inline]
 fn goes_straight<const HAS: u32>(sample: &BsdfSample, wo_local: Vec3) -> bool {
     HAS & has::LOBES != 0 && sample.delta && sample.wi == -wo_local

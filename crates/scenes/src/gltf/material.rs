@@ -128,7 +128,11 @@ impl Reader<'_, '_> {
             None => 0.0.into(),
         };
         let transmits = transmitted != Texture::Constant(0.0);
-        let volume = extensions.and_then(|e| e.volume.as_ref()).filter(|v| v.thickness_factor.0 > 0.0);
+        let volume = extensions.and_then(|e| e.volume.as_ref());
+        if let Some(thickness) = volume.map(|v| v.thickness_factor.0).filter(|thickness| *thickness < 0.0) {
+            self.note(&format!("has a thicknessFactor of {thickness}, which is negative; it counts as 0"));
+        }
+        let volume = volume.filter(|v| v.thickness_factor.0 > 0.0);
         let absorption = volume.filter(|_| transmits).and_then(|volume| {
             let (distance, color) = (volume.attenuation_distance.0, volume.attenuation_color.0);
             if distance <= 0.0 || distance.is_nan() {
@@ -240,7 +244,7 @@ impl Reader<'_, '_> {
         let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |s| s.emissive_strength.0);
         let factor = Rgb::from(material.emissive_factor.0) * strength;
-        if !factor.is_valid() {
+        if !factor.is_valid() || strength < 0.0 {
             return Err(flaw(format!("the material `{}` emits what is negative or not finite", self.name)));
         }
         if material.emissive_factor.0.iter().any(|c| *c > 1.0) {

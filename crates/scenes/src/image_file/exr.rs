@@ -6,6 +6,9 @@ use etendue_core::{rgb::Rgb, texture::Bitmap};
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 use std::io::Cursor;
 
+/// The most channels that an error names.
+const NAMED: usize = 12;
+
 /// Reads the channels R, G and B, or Y for each, of an OpenEXR image's first layer that has them, in 16 or 32 bits, as radiance.
 ///
 /// # Errors
@@ -22,17 +25,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap<Rgb>, Flaw> {
     for header in &meta.headers {
         check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, bytes.len())?;
     }
-    let has = |name: &str| meta.headers.iter().any(|h| h.channels.list.iter().any(|c| c.name.eq(name)));
-    let names = |channel: &exr::meta::attribute::ChannelDescription| channel.name.to_string();
-    let complete = |h: &exr::meta::header::Header| {
-        let named = |name: &str| h.channels.list.iter().any(|c| c.name.eq(name));
-        named("Y") || ["R", "G", "B"].iter().all(|name| named(name))
+    let any_has = |names: &[&str]| {
+        meta.headers.iter().any(|h| names.iter().all(|name| h.channels.list.iter().any(|c| c.name.eq(name))))
     };
-    if !meta.headers.iter().any(complete) {
-        let mut channels: Vec<String> = meta.headers.iter().flat_map(|h| h.channels.list.iter().map(names)).collect();
-        channels.truncate(12);
-        let list = channels.join("`, `");
-        return Err(whole(format!("the image has no channels `R`, `G` and `B`, and no `Y`; it has `{list}`")));
+    let (in_colour, in_grey) = (any_has(&["R", "G", "B"]), any_has(&["Y"]));
+    if !in_colour && !in_grey {
+        let channels = meta.headers.iter().flat_map(|h| h.channels.list.iter());
+        let names: Vec<String> = channels.map(|c| format!("`{}`", c.name)).collect();
+        let more = names.len().saturating_sub(NAMED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let named = names[..names.len().min(NAMED)].join(", ");
+        return Err(whole(format!("the image has no channels `R`, `G` and `B`, and no `Y`; it has {named}{more}")));
     }
     let blank = |size: exr::math::Vec2<usize>| Bitmap {
         width: size.width() as u32,
@@ -44,7 +47,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap<Rgb>, Flaw> {
         bitmap.texels[index] = value;
     };
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level();
-    if has("Y") && !has("R") {
+    if !in_colour {
         let grey = reader
             .specific_channels()
             .required("Y")

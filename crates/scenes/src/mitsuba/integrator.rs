@@ -52,7 +52,7 @@ pub(super) fn integrator<'d>(reader: &Reader<'d>, node: Node<'d>) -> Result<Dept
     Ok(reader.forgiven(read, "path tracing without a bound is taken")?.unwrap_or(DEFAULT))
 }
 
-/// What stands in for an integrator that a file does not have: Mitsuba's own.
+/// The integrator of a file that has none: Mitsuba's default.
 pub(super) fn missing(reader: &Reader) -> Depths {
     reader.note("the scene has no integrator: path tracing without a bound is taken");
     DEFAULT

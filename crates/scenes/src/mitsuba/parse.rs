@@ -29,7 +29,7 @@ const MOST_FILES: usize = 1024;
 pub(super) struct Parser {
     pub(super) tree: Tree,
     pub(super) folders: Folders,
-    /// What a user should know.
+    /// Notes for the user.
     pub(super) notes: Vec<String>,
     defaults: HashMap<String, Default>,
     /// The files that are being read, outermost first: to meet one again is a circle.

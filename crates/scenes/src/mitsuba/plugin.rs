@@ -76,7 +76,7 @@ pub(super) enum Meaning {
 }
 
 impl Nested<'_> {
-    /// Whether it is an element of a kind; a spectrum is a texture that is the same everywhere.
+    /// Returns `true` for an element of a kind; a spectrum is a texture that is the same everywhere.
     fn is(&self, tag: &str) -> bool {
         self.node.tag() == tag || tag == "texture" && self.node.tag() == "spectrum"
     }
@@ -287,7 +287,7 @@ impl<'r, 'd> Plugin<'r, 'd> {
         }
     }
 
-    /// Whether a parameter is given as a colour.
+    /// Returns `true` for a parameter that is given as a colour.
     pub(super) fn is_coloured(&self, name: &str) -> bool {
         self.parameters.iter().any(|p| p.name == name && matches!(p.value, Value::Colour(_)))
     }

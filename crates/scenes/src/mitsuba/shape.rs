@@ -236,7 +236,7 @@ fn with_barycentrics(mesh: &Mesh) -> Mesh {
     }
 }
 
-/// Which faces look away from the side that their vertex normals are on, which decide, as in Mitsuba and pbrt.
+/// For each face, `true` if it looks away from its vertex normals, which decide, as in Mitsuba and pbrt.
 fn against_normals(mesh: &Mesh) -> Vec<bool> {
     let is_against = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());

@@ -10,7 +10,7 @@ use etendue_core::rgb::Rgb;
 
 const KINDS: [&str; 5] = ["uniform", "d65", "srgb", "rgb", "rawconstant"];
 
-/// Whether an element is a spectrum, by `<spectrum>` or by `<texture>`.
+/// Returns `true` for an element that is a spectrum, by `<spectrum>` or by `<texture>`.
 pub(super) fn is_spectrum(node: Node) -> bool {
     node.tag() == "spectrum" || node.attribute("type").is_some_and(|kind| KINDS.contains(&kind))
 }

@@ -1,4 +1,4 @@
-//! What other programs write and Mitsuba reads.
+//! Files as other programs write them and Mitsuba reads them.
 
 use crate::files::{Folder, LENIENT, SETTINGS, described, flaw, material};
 use etendue_core::{

@@ -193,7 +193,7 @@ fn obj_flaws_have_their_line() {
     }
 }
 
-/// What has no surface is passed over with a note, in OBJ files as other programs write them; a backslash continues a line.
+/// Statements of OBJ files that have no surface are passed over with a note; a backslash continues a line.
 #[test]
 fn obj_without_a_surface_is_noted() {
     let (mesh, notes) = obj::read_with_notes(
@@ -225,18 +225,24 @@ pub(crate) fn exr_bytes<T: exr::prelude::IntoSample>(
     out.into_inner()
 }
 
-/// Channels of layers alone are named.
+/// Channels of layers alone are named; red alone is no colour, wherever a grey image is looked for instead.
 #[test]
 fn layers_of_images_are_named() {
     use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, WritableImage};
-    let names = ["beauty.R", "beauty.G", "beauty.B"];
-    let channels = names.map(|name| AnyChannel::new(name, FlatSamples::F32(vec![0.5; 4])));
-    let mut out = Cursor::new(Vec::new());
-    let channels = AnyChannels::sort(channels.into_iter().collect());
-    Image::from_channels((2, 2), channels).write().non_parallel().to_buffered(&mut out).unwrap();
-    let message = read_exr(&out.into_inner()).unwrap_err().message;
-    let expected = "the image has no channels `R`, `G` and `B`, and no `Y`; it has `beauty.B`, `beauty.G`, `beauty.R`";
-    assert_eq!(message, expected);
+    let file = |names: &[String]| {
+        let channels = names.iter().map(|name| AnyChannel::new(name.as_str(), FlatSamples::F32(vec![0.5; 4])));
+        let mut out = Cursor::new(Vec::new());
+        let image = Image::from_channels((2, 2), AnyChannels::sort(channels.collect()));
+        image.write().non_parallel().to_buffered(&mut out).unwrap();
+        read_exr(&out.into_inner())
+    };
+    let message = |names: &[String]| file(names).unwrap_err().message;
+    let start = "the image has no channels `R`, `G` and `B`, and no `Y`; it has ";
+    let beauty = ["beauty.R", "beauty.G", "beauty.B"].map(str::to_owned);
+    assert_eq!(message(&beauty), format!("{start}`beauty.B`, `beauty.G`, `beauty.R`"));
+    let many: Vec<String> = (10..30).map(|i| format!("{i}.R")).collect();
+    assert!(message(&many).ends_with("`21.R` and 8 more"), "{}", message(&many));
+    assert_eq!(file(&["R", "Y"].map(str::to_owned)).unwrap().bitmap.texels[3], Rgb::splat(0.5));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use etendue_scenes::{LoadOptions, load_with};
 
 const STRICT: LoadOptions = LoadOptions { lenient: false, outside_folder: false };
 
-/// Whether a scene is refused or noted, and the same where loading is lenient.
+/// `true` for a scene that is refused or noted, and the same where loading is lenient.
 fn told(inner: &str) -> bool {
     let folder = Folder::new().scene(inner);
     let spec = folder.path().join("scene.xml");

@@ -1,4 +1,4 @@
-//! Which side of a mesh is its outside, as in Mitsuba 3.9.1; round shapes that are scaled unevenly.
+//! The outside of meshes, as in Mitsuba 3.9.1; round shapes that are scaled unevenly.
 
 use crate::files::{Folder, LENIENT};
 use etendue_core::{

@@ -23,6 +23,8 @@ fn with(path: &str, value: f64) -> Value {
     // What the extensions under test work on.
     if path.contains("volume") {
         material["extensions"]["KHR_materials_transmission"] = json!({"transmissionFactor": 1.0});
+    }
+    if path.contains("attenuation") {
         material["extensions"]["KHR_materials_volume"]["thicknessFactor"] = json!(1.0);
     }
     if path.contains("alphaCutoff") {
@@ -39,11 +41,12 @@ fn numbers_of_materials_out_of_range_are_told() {
         ("pbrMetallicRoughness/roughnessFactor", &[-1.0, 2.0], 0.0),
         ("emissiveFactor", &[-1.0, 1.5], 1.0),
         ("alphaCutoff", &[-0.1], 0.0),
-        ("extensions/KHR_materials_emissive_strength/emissiveStrength", &[], 7.0),
+        ("extensions/KHR_materials_emissive_strength/emissiveStrength", &[-1.0], 7.0),
         ("extensions/KHR_materials_ior/ior", &[0.5, -1.0], 0.0),
         ("extensions/KHR_materials_transmission/transmissionFactor", &[-0.1, 1.1], 1.0),
         ("extensions/KHR_materials_volume/attenuationColor", &[-0.1, 1.1], 0.5),
         ("extensions/KHR_materials_volume/attenuationDistance", &[-1.0, 0.0], 2.0),
+        ("extensions/KHR_materials_volume/thicknessFactor", &[-1.0], 2.0),
         ("extensions/KHR_materials_clearcoat/clearcoatFactor", &[-0.1, 1.1], 0.0),
         ("extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", &[-0.1, 1.1], 1.0),
         ("extensions/KHR_materials_sheen/sheenColorFactor", &[-0.1, 1.1], 0.0),
